@@ -18,13 +18,12 @@ from planner import Array, Plan
 from planner.support import limited
 from sim.errors import UsageError
 from sim.evaluation.assessment import Evaluation, evaluate, summarise
-from sim.evaluation.comparison import describe
+from sim.evaluation.quantities import describe
 from sim.evaluation.summary import Summary
 from sim.logs.log import Gait, Log, of_function, read_log, require_joints
 from sim.logs.playing import scenario_of
 from sim.motion.poses import wrap
-from sim.planning.sharing import walk_cache
-from sim.preparation.effort import check_effort
+from sim.preparation.scheduling import check_effort
 from sim.preparation.setup import GoalOffset, Setup, prepare
 from sim.preparation.shared import Shared
 from sim.problems.scenario import ScenarioProblem
@@ -154,7 +153,7 @@ def simulate(
             prepared = _prepared(setup, problem)
         if witness is not None and number == 1:
             witness.prepared(prepared)
-        cache = walk_cache(prepared.setup, shared)
+        cache = prepared.setup.walk_cache(shared)
         walker, finished = Walker(prepared.setup, progress, cache), False
         try:
             walk = carry_out(walker, prepared.plan)

@@ -206,7 +206,7 @@ def _report(
     played: Mapping[str, Played],
     coarse: float,
 ) -> str:
-    from sim.evaluation.comparison import describe_export
+    from sim.evaluation.quantities import describe_export
 
     summary = source.run.summary
     lines = [

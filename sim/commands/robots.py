@@ -59,12 +59,12 @@ def robots(options: argparse.Namespace) -> None:
 
 
 def _show(options: argparse.Namespace) -> None:
-    from sim.preparation.inspection import describe, facts, inspected
+    from sim.preparation.inspection import describe, inspected
     from sim.scenarios.file import load_scenario
 
     scenario = load_scenario("line", {"robot": options.robot})
     with working(options, "trying it out"):
-        found = facts(inspected(scenario, robot_of(options, scenario.robot)))
+        found = inspected(scenario, robot_of(options, scenario.robot))
     report(options, found, describe(found))
 
 
@@ -78,7 +78,7 @@ def adopt(options: argparse.Namespace) -> None:
     """Draft the card, try whether the robot stands, and write it beside the file."""
     from models import ModelError
     from sim.interruption import processor_time
-    from sim.preparation.inspection import Inspected, describe, facts
+    from sim.preparation.inspection import describe, facts_of
 
     too_long = ModelError(
         f"no card was found within {BUDGET:g} s of the processor: {options.robot}; "
@@ -86,7 +86,7 @@ def adopt(options: argparse.Namespace) -> None:
     )
     with processor_time(BUDGET, too_long):
         source, draft, setup, written = _adopted(options)
-    found, files = facts(Inspected.of(setup)), [str(path) for path in written]
+    found, files = facts_of(setup), [str(path) for path in written]
     lines = [
         f"{'' if number else head:12}{line}"
         for head, lines in {"guessed": draft.guesses, "written": files}.items()

@@ -98,7 +98,7 @@ def _walk(
     log: Log | None = None,
 ) -> ExitCode:
     """Walk a scenario or a log into a folder, print how it went, and judge it."""
-    from sim.evaluation.comparison import describe
+    from sim.evaluation.quantities import describe
     from sim.run_folder import run
 
     def kept() -> str:

@@ -1,14 +1,13 @@
 """A robot as a body on chains of hinges: what turns, what is heavy, what may touch.
 
-Everything is read from the compiled model of a world, in the frame of the robot's root
-where the model starts. Legs of fewer hinges than others have idle ones, whose axes are
-zero, and soles of fewer points have absent ones, which hang far above any floor. Joints
-that are no joints of legs are taken to be rigid.
+Everything is read from a compiled model, in the frame of the robot's root where it
+starts. Legs of fewer hinges than others have idle ones, whose axes are zero, and soles
+of fewer points have absent ones, far above any floor. Other joints are rigid.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import mujoco
@@ -82,7 +81,10 @@ def anatomy_of(robot: Robot, model: mujoco.MjModel) -> Anatomy:
     mujoco.mj_fwdPosition(model, data)
     root = model.body(robot.root).id
     origin, turned = data.xpos[root].copy(), data.xmat[root].reshape(3, 3).copy()
-    chains = [_chain(model, leg.joints) for leg in robot.leg_cards]
+    chains = [  # from the body outwards: the engine numbers joints so
+        sorted(int(model.joint(name).id) for name in leg.joints)
+        for leg in robot.leg_cards
+    ]
     shape = len(chains), max(map(len, chains))
     anchor, axis, start = np.zeros((*shape, 3)), np.zeros((*shape, 3)), np.zeros(shape)
     mass, moment = np.zeros(shape), np.zeros((*shape, 3))
@@ -98,7 +100,7 @@ def anatomy_of(robot: Robot, model: mujoco.MjModel) -> Anatomy:
         anchor[f, len(chain) :] = anchor[f, len(chain) - 1]
     centers = (data.xipos - origin) @ turned
     body_mass, body_moment = 0.0, np.zeros(3)
-    for body, link in _links(model, root, owner):
+    for body, link in _links(model, root, owner).items():
         if link is None:
             body_mass += float(model.body_mass[body])
             body_moment += model.body_mass[body] * centers[body]
@@ -159,8 +161,8 @@ def _slack(model: mujoco.MjModel, joint: str) -> tuple[float, float, float]:
 
     Behind a servo with a dead band the motor brakes all the while.
     """
-    joints, brake = _joints(model), 0.0
-    width, rub = 0.0, 1.0
+    joints = {model.joint(number).name for number in range(model.njnt)}
+    width, rub, brake = 0.0, 1.0, 0.0
     if (band := BAND + joint) in joints:
         width += float(np.ptp(model.joint(band).range))
         brake = float(model.tendon(BRAKE + joint).damping[0])
@@ -171,30 +173,17 @@ def _slack(model: mujoco.MjModel, joint: str) -> tuple[float, float, float]:
     return width, rub, brake
 
 
-def _chain(model: mujoco.MjModel, joints: tuple[str, ...]) -> list[int]:
-    """The joints of a leg from the body outwards: the engine numbers them so."""
-    return sorted(int(model.joint(name).id) for name in joints)
-
-
-def _joints(model: mujoco.MjModel) -> set[str]:
-    return {model.joint(number).name for number in range(model.njnt)}
-
-
 def _links(
-    model: mujoco.MjModel, root: int, owner: dict[int, tuple[int, int]]
-) -> Iterator[tuple[int, tuple[int, int] | None]]:
+    model: mujoco.MjModel, root: int, owner: Mapping[int, tuple[int, int]]
+) -> dict[int, tuple[int, int] | None]:
     """The robot's bodies, each with the leg and hinge that turn it, if any do."""
     found: dict[int, tuple[int, int] | None] = {root: None}
-    for body in range(root, model.nbody):
-        if body != root:
-            parent = int(model.body_parentid[body])
-            if parent not in found:
-                continue
-            found[body] = found[parent]
-            first, count = model.body_jntadr[body], model.body_jntnum[body]
-            for joint in range(first, first + count):
-                found[body] = owner.get(joint, found[body])
-        yield body, found[body]
+    for body in range(root + 1, model.nbody):
+        if (parent := int(model.body_parentid[body])) in found:
+            joints = model.body_jntadr[body] + np.arange(model.body_jntnum[body])
+            own = [owner[joint] for joint in joints.tolist() if joint in owner]
+            found[body] = own[-1] if own else found[parent]
+    return found
 
 
 def _soles(

@@ -112,18 +112,16 @@ def motion(
 
     `turned` are the angles by which the forces turn the joints, where they are known.
     """
-    lever = contact.lever
-    shape, flat = force.shape, force.reshape(*lever.shape[:3])
     if turned is None:
-        turned = contact.yield_ * _torque(lever, flat)
+        turned = contact.yield_ * torque_of(contact.lever, force)
     by_body = (contact.reach @ twist[:, None, :, None])[..., 0]
-    by_joints = (lever @ turned[..., None])[..., 0]
-    return (by_body + contact.drift + by_joints).reshape(shape)
+    by_joints = (contact.lever @ turned[..., None])[..., 0]
+    return (by_body + contact.drift + by_joints).reshape(force.shape)
 
 
-def _torque(lever: Array, force: Array) -> Array:
-    """Torques of forces (B, F, n) about the joints, (B, F, J) [N m]."""
-    return (force[:, :, None] @ lever)[:, :, 0]
+def torque_of(lever: Array, force: Array) -> Array:
+    """Torques of forces (B, F, K, 3) about the joints, (B, F, J) [N m]."""
+    return (_flat(force)[:, :, None] @ lever)[:, :, 0]
 
 
 def _compliance(contact: Contact, slope: Array) -> Array:
@@ -151,8 +149,7 @@ def _newton(
     law = _Law.of(contact, compliance, scale)
     for step in range(NEWTON_STEPS):
         if give is not None:
-            flat = force.reshape(*contact.lever.shape[:3])
-            turned, slope = give(_torque(contact.lever, flat), lanes)
+            turned, slope = give(torque_of(contact.lever, force), lanes)
             compliance = _compliance(contact, slope)
         u = motion(contact, twist, force, None if give is None else turned)
         state = law.at(contact, twist, force, u)

@@ -21,7 +21,15 @@ import numpy as np
 
 from planner import Array
 from sim.compliant.anatomy import ABSENT, Anatomy, Robots
-from sim.compliant.equilibrium import Contact, Found, Give, Lanes, equilibrium, motion
+from sim.compliant.equilibrium import (
+    Contact,
+    Found,
+    Give,
+    Lanes,
+    equilibrium,
+    motion,
+    torque_of,
+)
 from sim.compliant.places import UP, Places, Skeleton, cross, rotation, skew
 
 LEAST = 1e-9  # [s]; of a servo's time, where it has no damping
@@ -45,13 +53,11 @@ class State(Lanes):
 
     def put(self, which: Array, new: State) -> State:
         """The same with other states in the lanes that are marked, (B,), bool."""
-        mixed = {
-            name: np.where(which.reshape(-1, *(1,) * (old.ndim - 1)), value, old)
-            for (name, old), value in zip(
-                vars(self).items(), vars(new).values(), strict=True
-            )
-        }
-        return State(**mixed)
+
+        def mixed(old: Array, value: Array) -> Array:
+            return np.where(which.reshape(-1, *(1,) * (old.ndim - 1)), value, old)
+
+        return State(*map(mixed, vars(self).values(), vars(new).values()))
 
 
 class Done(NamedTuple):
@@ -120,9 +126,7 @@ class Mechanics:
         )
         give = _give(robots, state, spring, heavy, h)
         found = _solved(contact, coast, state.force, give, _grip(robots, places))
-        lever = places.lever
-        flat = found.force.reshape(*lever.shape[:3])
-        pulled = (flat[:, :, None] @ lever)[:, :, 0]
+        pulled = torque_of(places.lever, found.force)
         if give is None:
             shift, loose = contact.yield_ * pulled, state.loose
         else:
@@ -157,10 +161,7 @@ class Mechanics:
 
 
 def _grip(robots: Robots, places: Places) -> Array | None:
-    """Ellipses of friction over its coefficient, (B, F, 3, 3); None where it is alike.
-
-    They lie along and across the line from a leg's first hinge to the foot.
-    """
+    """Ellipses of friction along legs and across, (B, F, 3, 3); None where discs."""
     if (robots.across == 1).all():
         return None
     x, y, _ = np.moveaxis(places.arm.mean(axis=2) - places.anchor[:, :, 0], -1, 0)
@@ -175,13 +176,9 @@ def _solved(
     """The equilibrium; ellipses D of friction become discs for D u and D^-1 f."""
     if grip is None:
         return equilibrium(contact, twist, force, give)
-    own = replace(
-        contact,
-        **{
-            name: _gripped(grip, getattr(contact, name))
-            for name in ("reach", "lever", "drift")
-        },
-    )
+    turned = ("reach", "lever", "drift")
+    rows = {name: _gripped(grip, getattr(contact, name)) for name in turned}
+    own = replace(contact, **rows)
     eased = np.linalg.solve(grip[:, :, None], force[..., None])[..., 0]
     found = equilibrium(own, twist, eased, give)
     real = (grip[:, :, None] @ found.force[..., None])[..., 0]
@@ -236,10 +233,7 @@ def _give(
 def _loosened(
     robots: Robots, state: State, torque: Array, h: Array
 ) -> tuple[Array, Array]:
-    """Angles within the backlash after an increment under torques, and their slope.
-
-    Within it only rubbing resists; beyond its ends the stops give way a little.
-    """
+    """Angles within the backlash, where only rubbing resists, and their slope."""
     if not robots.slack.any():
         return state.loose, np.zeros_like(torque)
     rate = h[:, None, None] / robots.rub
@@ -252,10 +246,7 @@ def _loosened(
 
 
 def _slip(robots: Robots, before: Array, after: Array, moved: Array) -> Array:
-    """Slip of every foot in an increment, while it stands, (B, F) [m].
-
-    A foot of several points slips as they do on average, by their loads.
-    """
+    """Slip of every standing foot, (B, F) [m]: of its points on average, by load."""
     size = np.hypot(moved[..., 0], moved[..., 1])
     load = np.maximum(after[..., 2], 0.0)
     whole = load.sum(axis=2)

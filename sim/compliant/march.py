@@ -1,9 +1,8 @@
 """Many robots through many increments, each as long as its own contacts allow.
 
-Lanes have times of their own. An increment in which feet touch, let go or change their
-load by much, and one without an equilibrium, is repeated with a quarter of it. None is
-accepted that is no equilibrium: a lane that finds none, however short the increment,
-ends there, and so does one whose robot tips over.
+An increment in which feet touch, let go or change their load by much, and one without
+an equilibrium, is repeated with a quarter of it. A lane that finds no equilibrium,
+however short the increment, ends there, and so does one whose robot tips over.
 """
 
 from __future__ import annotations
@@ -16,16 +15,19 @@ from planner import Array
 from sim.compliant.anatomy import Robots
 from sim.compliant.increment import Done, Mechanics, State
 
+LONGEST, SHORTEST = 0.02, 0.002  # [s]; increments that contacts and loads ask for
+HOPELESS = 1e-6  # [s]; without an equilibrium even so, a lane ends
+CALM = 0.08  # of the weight; a larger change of a load is resolved
 SLACK = 1e-9  # [s]; times closer than this are the same
 TIPPED = np.cos(np.deg2rad(30))  # of the body's tilt, beyond which it has tipped over
 
 
 @dataclass(frozen=True, eq=False)
 class Commands:
-    """A row of commands a physics step, for every joint.
+    """A row of commands for every joint and physics step.
 
-    Row k is applied in step k. Smooth commands come to it at the end of that step;
-    held ones keep it until they change, and no increment lasts beyond that.
+    Smooth commands come to row k at the end of step k; held ones keep it until they
+    change, and no increment lasts beyond that.
     """
 
     rows: Array  # (T, F, J) [rad]
@@ -46,9 +48,8 @@ class Commands:
         steps = np.clip(time / self.timestep, 0.0, len(self.rows))
         whole = np.minimum(steps.astype(int), len(self.rows) - 1)
         part = (steps - whole)[:, None, None]
-        return (1 - part) * self.rows[np.maximum(whole - 1, 0)] + part * self.rows[
-            whole
-        ]
+        before, now = self.rows[np.maximum(whole - 1, 0)], self.rows[whole]
+        return (1 - part) * before + part * now
 
     def next_edge(self, time: Array) -> Array:
         """The first edge after each of some times, (B,) [s]."""
@@ -60,27 +61,6 @@ def changes(rows: Array, timestep: float) -> Array:
     flat = rows.reshape(len(rows), -1)
     changed = (np.diff(flat, axis=0) != 0).any(axis=1)
     return (1 + np.flatnonzero(changed)) * timestep
-
-
-@dataclass(frozen=True)
-class Pace:
-    """Lengths of increments [s]."""
-
-    longest: float = 0.02
-    shortest: float = 0.002  # that contacts and loads alone ask for
-    least: float = 1e-6  # without an equilibrium even so, a lane ends
-    calm: float = 0.08  # of the weight; a larger change of a load is resolved
-
-
-USUAL = Pace()
-
-
-@dataclass(frozen=True, eq=False)
-class Endings:
-    """Which lanes could not go on."""
-
-    time: Array  # of each, infinite where it went on, (B,) [s]
-    tipped: Array  # whether its robot tipped over, (B,), bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,14 +89,15 @@ def march(
     begin: Array,
     end: Array,
     yaw: Array,
-    pace: Pace = USUAL,
-) -> tuple[Track, Endings]:
+) -> tuple[Track, Array, Array]:
     """Walk lanes (B,) from their begins to their ends [s], from a heading [rad] each.
 
-    At its begin a robot stands unloaded in the joints' commands.
+    At its begin a robot stands unloaded in the joints' commands. Beside the track are
+    the time at which a lane could not go on, else infinite, (B,) [s], and whether its
+    robot tipped over there, (B,), bool.
     """
     lanes, time, until = np.arange(len(begin)), begin, end
-    h = np.full(len(begin), pace.shortest)
+    h = np.full(len(begin), SHORTEST)
     ended, tipped = np.full(len(begin), np.inf), np.zeros(len(begin), dtype=bool)
     first, _ = commands.over(begin, begin + SLACK)
     done = mechanics.standing(robots, first, yaw)
@@ -125,23 +106,23 @@ def march(
         stop = np.minimum(time + h, np.minimum(commands.next_edge(time), until))
         length = stop - time
         done = mechanics.increment(robots, state, *commands.over(time, stop), length)
-        event = _eventful(state, done.state, pace.calm * robots.weight)
-        accepted = done.holds & (~event | (length <= pace.shortest * (1 + SLACK)))
+        event = _eventful(state, done.state, CALM * robots.weight)
+        accepted = done.holds & (~event | (length <= SHORTEST * (1 + SLACK)))
         if accepted.any():
             rows.append(_row(lanes, stop, done, accepted))
             state = state.put(accepted, done.state)
             time = np.where(accepted, stop, time)
-        longer = np.where(event, pace.shortest, np.minimum(2 * h, pace.longest))
-        shorter = np.maximum(length / 4, np.where(done.holds, pace.shortest, 0.0))
-        h = np.where(accepted, np.maximum(longer, pace.shortest), shorter)
+        longer = np.where(event, SHORTEST, np.minimum(2 * h, LONGEST))
+        shorter = np.maximum(length / 4, np.where(done.holds, SHORTEST, 0.0))
+        h = np.where(accepted, np.maximum(longer, SHORTEST), shorter)
         over = accepted & (done.state.turned[:, 2, 2] < TIPPED)
-        lost = over | (~accepted & (h < pace.least))
+        lost = over | (~accepted & (h < HOPELESS))
         if (gone := lost | (time >= until - SLACK)).any():
             ended[lanes[lost]], tipped[lanes[over]] = time[lost], True
             on = ~gone
             lanes, time, h, until = lanes[on], time[on], h[on], until[on]
             robots, state = robots.take(on), state.take(on)
-    return _track(rows), Endings(ended, tipped)
+    return _track(rows), ended, tipped
 
 
 def _eventful(before: State, after: State, calm: Array) -> Array:
@@ -158,11 +139,8 @@ def _row(lanes: Array, time: Array, done: Done, which: Array) -> tuple[Array, ..
     share = load / np.maximum(whole, 1e-12)[..., None]
     even = np.where(whole[..., None] > 0, share, 1 / load.shape[2])
     point = (even[..., None] * done.arm[..., :2]).sum(axis=2)
-    parts = (
-        lanes, time, state.place, state.turned, done.slip, whole, done.torque,
-        done.center, point,
-    )  # fmt: skip
-    return tuple(part[which] for part in parts)
+    body = state.place, state.turned, done.slip, whole, done.torque, done.center
+    return tuple(part[which] for part in (lanes, time, *body, point))
 
 
 def _track(rows: list[tuple[Array, ...]]) -> Track:

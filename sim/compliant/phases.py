@@ -1,9 +1,8 @@
 """What a phase does to a robot, computed once for all phases that are alike.
 
 Lifting a leg wipes out what its foot remembers, so the motion in a phase depends on the
-commands of the last two seconds alone, and on the heading where the floor leans. Phases
-that have these in common are of one kind. Every kind is computed once, pieces of the
-walk side by side as lanes, and the walk is composed of them.
+commands of the last two seconds alone, and on the heading where the floor leans. Pieces
+of a walk are computed side by side as lanes, and the walk is composed of its phases.
 """
 
 from __future__ import annotations
@@ -20,7 +19,7 @@ from models import MeasurementError
 from planner import Array
 from sim.compliant.anatomy import Robots
 from sim.compliant.increment import LOADED, Mechanics
-from sim.compliant.march import SLACK, USUAL, Commands, Pace, Track, march
+from sim.compliant.march import SLACK, Commands, Track, march
 from sim.motion.poses import compose, relative
 from sim.motion.stability import stability_margin
 
@@ -86,13 +85,11 @@ class Course:
 class Phases:
     """Kinds of phases of robots in a world, known from earlier walks or computed.
 
-    Usually there is one robot. Further ones, of the same anatomy but softer, laden or
-    on another slope, walk the same commands beside it in one batch.
+    Further robots of the same anatomy walk the same commands beside the first one.
     """
 
     mechanics: Mechanics
     robots: Robots
-    pace: Pace = USUAL
     kinds: dict[tuple[int, ...], list[Kind]] = field(default_factory=dict)
 
     def follow(self, course: Course) -> Motion:
@@ -154,33 +151,24 @@ class Phases:
             return
         whose, which = np.divmod(np.arange(robots * len(pieces)), len(pieces))
         starts = np.array([_remembered(course, piece[0]) for piece in pieces])[which]
-        track, endings = march(
+        track, ended, tipped = march(
             self.mechanics,
             self.robots.take(whose),
             course.commands,
             begin=spans[starts, 0],
             end=spans[[piece[-1] for piece in pieces], 1][which],
             yaw=course.heading[starts],
-            pace=self.pace,
         )
-        lane = int(endings.time.argmin())
-        if np.isfinite(endings.time[lane]):
-            what = "tips over" if endings.tipped[lane] else "finds no equilibrium"
-            raise MeasurementError(f"the robot {what} at {endings.time[lane]:.2f} s")
+        lane = int(ended.argmin())
+        if np.isfinite(ended[lane]):
+            what = "tips over" if tipped[lane] else "finds no equilibrium"
+            raise MeasurementError(f"the robot {what} at {ended[lane]:.2f} s")
         whole = self._motion(track, whose)
         for number, piece in enumerate(pieces):
             own = range(number, robots * len(pieces), len(pieces))
-            lanes = [track.of(lane) for lane in own]
+            lanes = [Motion(*(part[track.of(n)] for part in whole)) for n in own]
             for phase in piece:
-                ends = spans[phase] - SLACK
-                inside = [_between(track.time, rows, ends) for rows in lanes]
-                yield (
-                    phase,
-                    tuple(
-                        _from_begin(Motion(*(part[rows] for part in whole)))
-                        for rows in inside
-                    ),
-                )
+                yield phase, tuple(_during(lane, spans[phase]) for lane in lanes)
 
     def _motion(self, track: Track, whose: Array) -> Motion:
         """A track as motion in the world; slip is that of every increment."""
@@ -205,12 +193,6 @@ class Phases:
         )
 
 
-def _between(time: Array, rows: slice, ends: Array) -> slice:
-    """Those of a lane's rows that lie between two times."""
-    first, last = rows.start + time[rows].searchsorted(ends)
-    return slice(first, last + 1)
-
-
 def _window(course: Course, phase: int) -> tuple[tuple[int, ...], Likeness]:
     """A phase and what is remembered in it: its steps, and what else matters."""
     first = _remembered(course, phase)
@@ -233,8 +215,8 @@ def _remembered(course: Course, phase: int) -> int:
 def _pieces(new: Sequence[int], lasting: Array, robots: int) -> Iterator[list[int]]:
     """New phases that follow one another, in pieces that take the least time together.
 
-    Every piece begins as early as its first phase remembers, and all are walked side by
-    side by every robot: many pieces walk much twice, few are more work for every lane.
+    As every piece begins as early as its first phase remembers, many pieces walk much
+    twice, and few are more work for every lane.
     """
     total = float(lasting[list(new)].sum())
     best = sqrt(LANES_WORTH / robots * total / (2 * REMEMBERED))
@@ -248,11 +230,12 @@ def _pieces(new: Sequence[int], lasting: Array, robots: int) -> Iterator[list[in
             yield [phases[i] for i in np.flatnonzero(part == number)]
 
 
-def _from_begin(motion: Motion) -> Motion:
-    """A phase of a walk for itself: relative poses, and slip that adds up."""
-    pose = motion.pose.copy()
+def _during(lane: Motion, span: Array) -> Motion:
+    """A phase of a lane for itself: relative poses, and slip that adds up."""
+    first, last = lane.time.searchsorted(span - SLACK)
+    motion = Motion(*(part[first : last + 1] for part in lane))
+    pose, slip = motion.pose.copy(), motion.slip.copy()
     pose[:, 2] = np.unwrap(pose[:, 2])
-    slip = motion.slip.copy()
     slip[0] = 0.0  # of the increment that led there
     return motion._replace(
         time=motion.time - motion.time[0],
@@ -270,11 +253,8 @@ def _composed(course: Course, phases: Sequence[Motion]) -> tuple[Motion, Array]:
         pose = course.restarts.get(phase, pose)
         headings.append(pose[2])
         moved = compose(pose, motion.pose)
-        parts.append(
-            motion._replace(
-                time=begin + motion.time, pose=moved, slip=slip + motion.slip
-            )
-        )
-        pose, slip = moved[-1], parts[-1].slip[-1]
+        slid = slip + motion.slip
+        parts.append(motion._replace(time=begin + motion.time, pose=moved, slip=slid))
+        pose, slip = moved[-1], slid[-1]
     whole = Motion(*map(np.concatenate, zip(*parts, strict=True)))
     return whole, np.array(headings)

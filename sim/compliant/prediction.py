@@ -72,13 +72,11 @@ def course_along(
     heading: Array,
     restarts: Mapping[int, Array],
 ) -> Course:
-    """The course of any commands, planned or not, for legs of any number of joints.
+    """The course of any commands, rows (T, nu) of ctrl, for legs of any joints [rad].
 
-    ctrl: a row a physics step, (T, nu) [rad]. spans: the first step of every phase and
-    the one after its last, (P, 2); phases need no contacts, and those of equal commands
-    are computed once, such as the periods of a gait. heading: of the body as each
-    begins, (P,) [rad]; it counts where the floor leans, and a guess will do. restarts:
-    poses (3,) at which the body is known to stand, by phase.
+    Phases are given by `spans` as those of a `Course`; they need no contacts, and those
+    of equal commands are computed once, such as the periods of a gait. A heading counts
+    where the floor leans, and a guess will do.
     """
     dt, rate = setup.limits.timestep, setup.servo.rate
     rows, ends = ctrl[:, phases.mechanics.anatomy.actuator], spans[:, 1] * dt

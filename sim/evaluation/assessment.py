@@ -5,7 +5,7 @@ docs/numbers.md defines every number. Files are written by `sim.run_folder`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 
@@ -13,7 +13,7 @@ import numpy as np
 
 from models import MeasurementError
 from planner import Array
-from sim.evaluation.comparison import describe
+from sim.evaluation.causes import Evidence
 from sim.evaluation.deviations import (
     Scale,
     departure,
@@ -29,10 +29,8 @@ from sim.evaluation.motions import (
     achieved_motion,
     clearances,
     commands_along,
-    compliant_along,
     measured_along,
     predicted_along,
-    rigid_along,
 )
 from sim.evaluation.phases import (
     commanded_pace,
@@ -43,16 +41,16 @@ from sim.evaluation.phases import (
     swing_slip,
     swing_travel,
 )
+from sim.evaluation.quantities import describe
 from sim.evaluation.summary import Accomplished, Departure, Summary, Weighed
 from sim.evaluation.verdict import Verdict, judge
 from sim.experiments.creep import creep_floor
 from sim.experiments.predictions import follows_commands, twist_model
 from sim.logs.alignment import Measured
 from sim.motion.prediction import Prediction
-from sim.planning.sharing import Cache, no_cache, walk_cache, world_cache
-from sim.preparation.shared import Shared
+from sim.preparation.shared import Cache, Shared, no_cache, world_cache
 from sim.progress import Progress, silent, stage
-from sim.scenarios.predictions import COMPLIANT, OF_MOTIONS, PREDICTIONS
+from sim.scenarios.predictions import OF_MOTIONS, PREDICTIONS
 from sim.versions import versions
 from sim.walking.finished import Walk
 
@@ -90,8 +88,8 @@ class Evaluation:
     @cached_property
     def verdict(self) -> Verdict:
         """What became of the walk."""
-        given = self.walk, self.achieved, self.predicted, self.weighed, self.judged
-        return judge(*given)
+        found = Evidence(self.walk, self.achieved, self.predicted, self.weighed)
+        return judge(found, self.judged)
 
     @cached_property
     def measured(self) -> Measured | None:
@@ -146,10 +144,8 @@ def evaluate(
     unpredicted: dict[str, str] = {}
     caches: dict[str, Cache] = {}
     setup, motion = walk.setup, walk.setup.motion
-    cache, of_world = walk_cache(setup, shared), world_cache(setup, shared)
-    given = cache(
-        "commanded", lambda: [list(commands_along(walk, s)) for s in walk.stretches]
-    )
+    cache, of_world = setup.walk_cache(shared), world_cache(setup.scenario, shared)
+    given = cache("commanded", partial(commands_along, walk))
     strata = {phase.stratum for phase in walk.phases if phase.kind == "swing"}
     asked: Collection[str] = setup.scenario.predictions or PREDICTIONS
     for name in (names := tuple(PREDICTIONS) if motion is None else OF_MOTIONS):
@@ -161,12 +157,7 @@ def evaluate(
             caches[name] = cache if alike else no_cache
             twists = partial(of_world, name, partial(twist_model, setup, name))
             require_holding(walk, name, twists, strata)
-            follow: Callable[[], Prediction]
-            follow = partial(predicted_along, walk, twists, given)
-            if motion is not None:
-                follow = partial(rigid_along, walk, motion, given)
-            if name == COMPLIANT.key:
-                follow = partial(compliant_along, walk, given)
+            follow = partial(predicted_along, walk, name, twists, given)
             with stage(progress, f"following {name.replace('_', '-')}"):
                 predicted[name] = caches[name](name, follow)
         except MeasurementError as error:

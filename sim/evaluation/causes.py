@@ -1,8 +1,7 @@
 """Likely causes of a walk that went wrong, each with the next step.
 
 Each finder looks for one cause in what was measured and gives a sentence, or nothing.
-The first that finds something is believed: causes that would spoil any walk are looked
-for before those that only explain what is left.
+The first that finds something is believed, so what would spoil any walk comes first.
 """
 
 from __future__ import annotations
@@ -46,16 +45,22 @@ class Evidence:
         """The prediction that the walk is judged by."""
         return self.predicted[self.weighed.prediction]
 
+    @property
+    def walking(self) -> Array:
+        """Moments from the start of the walk on, (T,), bool."""
+        return self.walk.recording.moments.step >= self.walk.starts
+
+    @property
+    def drives(self) -> dict[str, int]:
+        """Actuators of the legs, by their joints."""
+        model, joints = self.walk.setup.model, self.walk.setup.robot.card.joints
+        return {joint: actuator_of(model, joint) for joint in joints}
+
     def on_paper(self, name: str) -> float:
         """How far a prediction ends from the goal, as a share of the path."""
         weighed, goal = self.weighed, self.walk.setup.scenario.path.goal
         scale = Scale(weighed.prediction, weighed.radius, weighed.length)
         return scale.share(self.predicted[name].pose[-1], np.array(goal))
-
-    def joints(self, leg: int) -> tuple[str, str]:
-        """Swing and lift joint of a leg."""
-        card = self.walk.setup.robot.card.legs[leg]
-        return card.swing, card.lift
 
 
 def likely_cause(word: str, evidence: Evidence) -> str:
@@ -77,10 +82,8 @@ def _on_paper(evidence: Evidence) -> str:
     if scenario.replan or share <= (evidence.weighed.goal or 0.0) / 2:
         return ""
     planned = f"the plan itself misses it by {100 * share:.1f} % on paper"
-    if (
-        prediction_key(scenario.steer) == judge
-        or evidence.on_paper(IDEAL.key) > share / 2
-    ):
+    followed = prediction_key(scenario.steer) == judge
+    if followed or evidence.on_paper(IDEAL.key) > share / 2:
         twice = f"walk it in more segments (--segments {2 * scenario.segments})"
         return f"{planned}: {twice}, or plan again on the way (--replan)"
     label = PREDICTIONS[judge].label
@@ -100,8 +103,7 @@ def _scaled_down(evidence: Evidence) -> str:
 
 def _never_loaded(evidence: Evidence) -> str:
     """A foot that was in the air while it was to stand."""
-    walk = evidence.walk
-    walking = walk.recording.moments.step >= walk.starts
+    walking, legs = evidence.walking, evidence.walk.setup.robot.legs
     planned = evidence.best.contact[walking]
     carried = (evidence.achieved.contact[walking] & planned).sum(axis=0)
     share = carried / np.maximum(planned.sum(axis=0), 1)
@@ -109,7 +111,7 @@ def _never_loaded(evidence: Evidence) -> str:
     if share[worst] > CARRIED:
         return ""
     return (
-        f"the foot of leg {walk.setup.robot.legs[worst]} never carried load: correct "
+        f"the foot of leg {legs[worst]} never carried load: correct "
         "its angles in keyframe 'start', or what it is to lift over (lift_height)"
     )
 
@@ -123,22 +125,18 @@ def _steep(evidence: Evidence) -> str:
     used = tan(scenario.slope[0]) / friction if friction else np.inf
     if used <= USED_UP:
         return ""
-    return (
-        f"the floor leans so far that standing takes {100 * used:.0f} % of the "
-        "friction: raise friction, or lower slope"
-    )
+    taken = f"standing takes {100 * used:.0f} % of the friction"
+    return f"the floor leans so far that {taken}: raise friction, or lower slope"
 
 
 def _at_limits(evidence: Evidence) -> str:
     """Servos that gave all their torque."""
-    walk = evidence.walk
-    model, joints = walk.setup.model, walk.setup.robot.card.joints
-    full = [walk.recording.limited[actuator_of(model, joint)] for joint in joints]
-    share = max(full) / max(walk.steps, 1)
+    walk, drives = evidence.walk, evidence.drives
+    joint = max(drives, key=lambda name: walk.recording.limited[drives[name]])
+    share = walk.recording.limited[drives[joint]] / max(walk.steps, 1)
     if share <= FULL:
         return ""
-    joint = joints[int(np.argmax(full))]
-    most = model.actuator_forcerange[actuator_of(model, joint), 1]
+    most = walk.setup.model.actuator_forcerange[drives[joint], 1]
     return (
         f"the servo of joint {joint!r} gave all its {most:.3g} N m in "
         f"{100 * share:.0f} % of the time: take stronger servos (servo), carry less, "
@@ -148,45 +146,37 @@ def _at_limits(evidence: Evidence) -> str:
 
 def _bouncing(evidence: Evidence) -> str:
     """Feet that bounced far more often than they were put down."""
-    walk, legs = evidence.walk, evidence.walk.setup.robot.legs
-    landings = sum(
-        np.isin(walk.setup.robot.group_of_leg, phase.moving).sum()
-        for phase in walk.phases
-        if phase.kind == "land"
-    )
-    bounces = walk.recording.bounces_of
+    walk, setup = evidence.walk, evidence.walk.setup
+    robot, bounces = setup.robot, walk.recording.bounces_of
+    landed = [phase.moving for phase in walk.phases if phase.kind == "land"]
+    landings = sum(np.isin(robot.group_of_leg, moving).sum() for moving in landed)
     if bounces.sum() <= RATTLED * landings:
         return ""
-    model, joints = walk.setup.model, evidence.joints(legs[int(bounces.argmax())])
+    leg = robot.leg_cards[int(bounces.argmax())]
+    joints = leg.swing, leg.lift
     names = " and ".join(map(repr, joints))
     often = f"feet bounced {bounces.sum()} times, most often the one on joints {names}"
-    if (share := inertia_share(walk.setup.robot, model, joints)) < LIGHT:
+    if (share := inertia_share(robot, setup.model, joints)) < LIGHT:
         return (
             f"{often}, which have {100 * share:.0f} % of the inertia of a motor that "
             "could carry the robot: give them that of their rotors (armature)"
         )
-    drives = [actuator_of(model, joint) for joint in joints]
-    stiffness = float(model.actuator_gainprm[drives, 0].max())
+    drives = [evidence.drives[joint] for joint in joints]
+    stiffness = float(setup.model.actuator_gainprm[drives, 0].max())
+    pace = f"a timestep of {1e3 * setup.limits.timestep:g} ms"
+    if setup.servo.rate:
+        pace = f"{setup.servo.rate:g} commands a second"
     return (
-        f"{often}, whose servos of {stiffness:.4g} N m/rad are too stiff for "
-        f"{_pace(walk)}: soften or damp them (servo_stiffness, servo_damping), or "
-        "shorten the timestep"
+        f"{often}, whose servos of {stiffness:.4g} N m/rad are too stiff for {pace}: "
+        "soften or damp them (servo_stiffness, servo_damping), or shorten the timestep"
     )
-
-
-def _pace(walk: Walk) -> str:
-    if rate := walk.setup.servo.rate:
-        return f"{rate:g} commands a second"
-    return f"a timestep of {1e3 * walk.setup.limits.timestep:g} ms"
 
 
 def _soft(evidence: Evidence) -> str:
     """Servos that bend under their loads."""
-    setup = evidence.walk.setup
-    names, model = setup.robot.card.joints, setup.model
-    moments = evidence.walk.recording.moments
-    walking = moments.step >= evidence.walk.starts
-    drives = [actuator_of(model, joint) for joint in names]
+    model, moments = evidence.walk.setup.model, evidence.walk.recording.moments
+    walking, names = evidence.walking, list(evidence.drives)
+    drives = [evidence.drives[joint] for joint in names]
     places = [int(model.joint(joint).qposadr[0]) for joint in names]
     ctrl = np.concatenate(list(evidence.walk.commands()))[moments.step[walking] - 1]
     off: Array = np.abs(ctrl[:, drives] - moments.qpos[walking][:, places])
@@ -237,10 +227,8 @@ def _source(evidence: Evidence) -> str:
         name: float(np.hypot(np.hypot(x, y), weighed.radius * turn))
         for name, (x, y, turn) in parts.items()
     }
-    if not any(size.values()):
-        return ""
     worst = max(size, key=size.__getitem__)
-    return f"most of it arose in {worst!r}; {LIST}"
+    return f"most of it arose in {worst!r}; {LIST}" if size[worst] else ""
 
 
 Finder = Callable[[Evidence], str]

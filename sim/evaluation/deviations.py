@@ -25,7 +25,7 @@ from sim.evaluation.summary import (
 )
 from sim.motion.poses import compose, path_deviation, relative, wrap
 from sim.motion.prediction import Prediction
-from sim.planning.sharing import Cache, no_cache
+from sim.preparation.shared import Cache, no_cache
 from sim.scenarios.body_path import NominalPath
 from sim.scenarios.predictions import (
     IDEAL,
@@ -54,8 +54,7 @@ def deviations(
 ) -> dict[str, Departure | None]:
     """Farthest from the path and from its yaw: planned, quasi-static and achieved.
 
-    A plan follows the prediction it steers on, an optimised one at least the
-    quasi-static.
+    A plan is of the prediction it steers on, an optimised one never of the ideal one.
     """
     scenario = walk.setup.scenario
     if walk.setup.motion is not None:
@@ -113,10 +112,9 @@ def departure(pose: Array, other: Array) -> Departure:
 
 
 def off(poses: Array, others: Array, length: float, walked: float) -> PredictionError:
-    """How far a motion is from another one at its end, and at most on the way.
+    """How far a motion (T, 3) is from another one at its end, and at most on the way.
 
-    Both have shape (T, 3); ratios to lengths of the path and of the way walked [m] are
-    None where these are zero.
+    Ratios to lengths of path and way [m] are None where these are zero.
     """
     at_end = departure(poses[-1], others[-1])
     return PredictionError(
@@ -145,8 +143,7 @@ class Scale:
     def along(cls, poses: Array, reach: float, made: Collection[str]) -> Scale:
         """That of a motion that is played, by the way that is predicted, (T, 3).
 
-        Back and forth within a quarter of the feet's distance from the middle is no
-        way: the body sways.
+        Swaying within a quarter of the feet's distance from the middle is no way.
         """
         mark, length = poses[0, :2], 0.0
         for place in poses[:, :2]:
@@ -176,10 +173,9 @@ class Scale:
         )
 
     def share(self, poses: Array, others: Array, near: bool = False) -> float:
-        """The largest distance between poses (..., 3) as a share of the length.
+        """The largest distance between poses (..., 3) as a share of the length, if any.
 
-        Yaw counts at the feet, and not at all if they are near one another. Where there
-        is no way at all nothing is weighed.
+        Yaw counts at the feet, and not at all if they are near one another.
         """
         apart = poses - others
         turned = 0.0 if near else self.radius * wrap(apart[..., 2])
@@ -235,9 +231,8 @@ def require_holding(
 ) -> None:
     """Refuse a measured prediction whose misses of single strokes may add up to much.
 
-    It was fitted to other strokes than those of the walk, whose way is several times as
-    long as the path. One that the walk is steered on is kept. What is left out of the
-    walk raises MeasurementError.
+    They add up along the way, which is several times as long as the path. A prediction
+    that is steered on is kept; else MeasurementError says why it is left out.
     """
     scenario = walk.setup.scenario
     if name != IDENTIFIED.key or scenario.steered_on == name:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from math import isfinite
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 
 class WalkedPhase(NamedTuple):
@@ -24,6 +24,12 @@ class WalkedPhase(NamedTuple):
     as_planned: bool  # contacts
 
 
+KINDS: dict[str, Callable[[str], Any]] = {  # of the columns
+    **dict.fromkeys(WalkedPhase._fields, str),
+    **dict.fromkeys(("start", "end", "amount", "slip"), float),
+    "segment": int,
+    "as_planned": lambda text: text == "1",
+}
 COLUMNS = ("index", *WalkedPhase._fields)
 
 
@@ -40,26 +46,14 @@ def written(phases: Iterable[WalkedPhase]) -> str:
 def read(text: str) -> tuple[WalkedPhase, ...]:
     """The phases that a text of `written` lists, its columns in any order.
 
-    A missing column is a KeyError, a line with more or fewer entries than there are
-    columns a ValueError.
+    A missing column is a KeyError, other errors of a line are ValueErrors.
     """
     lines = [line for line in csv.reader(text.splitlines()) if line]
     if len({len(line) for line in lines}) != 1:
         raise ValueError("flows.csv is incomplete")
+    rows = (dict(zip(lines[0], line, strict=True)) for line in lines[1:])
     phases = tuple(
-        WalkedPhase(
-            segment=int(row["segment"]),
-            start=float(row["start"]),
-            end=float(row["end"]),
-            kind=row["kind"],
-            stratum=row["stratum"],
-            field=row["field"],
-            amount=float(row["amount"]),
-            group=row["group"],
-            slip=float(row["slip"]),
-            as_planned=row["as_planned"] == "1",
-        )
-        for row in (dict(zip(lines[0], line, strict=True)) for line in lines[1:])
+        WalkedPhase(*(kind(row[key]) for key, kind in KINDS.items())) for row in rows
     )
     numbers = [number for p in phases for number in (p.start, p.end, p.amount, p.slip)]
     if not all(map(isfinite, numbers)):

@@ -10,14 +10,15 @@ import numpy as np
 
 from models import TwistModel
 from planner import Array
-from sim.compliant.prediction import CompliantPrediction, Leg, foreseen
+from sim.compliant.prediction import CompliantPrediction, foreseen
 from sim.logs.alignment import Measured, measured
-from sim.logs.playing import Motion, Played, rigid
+from sim.logs.playing import Played, rigid
 from sim.motion.poses import rotate, seen_from, wrap
 from sim.motion.prediction import Commanded, Prediction, Predictor, commanded
 from sim.motion.stability import BLOCK, carrying, stability_margin
 from sim.obstacles.clearance import surroundings
 from sim.physics.recording import Moments
+from sim.scenarios.predictions import COMPLIANT
 from sim.walking.finished import Stretch, Walk, laid_commands
 
 
@@ -57,42 +58,40 @@ def achieved_motion(walk: Walk) -> Achieved:
 
 
 def _recorded(walk: Walk, stretch: Stretch) -> Array:
-    """Steps of a stretch, counted from its own start, at the moments recorded, (n,).
-
-    The stretch's last step is always among them.
-    """
+    """Steps of a stretch from its own start on, at the moments recorded, (n,)."""
     schedule, during = stretch.schedule, walk.recording.during
     inside = during[(during >= schedule.start) & (during < schedule.stop)]
-    return inside - schedule.start
+    return inside - schedule.start  # its last step is always among them
 
 
-def commands_along(walk: Walk, stretch: Stretch) -> Iterator[Commanded]:
-    """The commands of a stretch at the moments recorded, in blocks."""
-    local = _recorded(walk, stretch)
-    schedule, kinematics = stretch.schedule, walk.setup.kinematics
+def commands_along(walk: Walk) -> list[list[Commanded]]:
+    """The commands of each stretch at the moments recorded, in blocks."""
+    return [list(_commands(walk, stretch)) for stretch in walk.stretches]
+
+
+def _commands(walk: Walk, stretch: Stretch) -> Iterator[Commanded]:
+    local, schedule = _recorded(walk, stretch), stretch.schedule
     for rows in np.split(local, range(BLOCK, len(local), BLOCK)):
         if isinstance(schedule, Played):
-            yield schedule.commanded(rows, kinematics)
+            yield schedule.commanded(rows, walk.setup.kinematics)
         else:
-            yield commanded(schedule, rows, kinematics)
-
-
-def rigid_along(
-    walk: Walk, motion: Motion, given: Sequence[Sequence[Commanded]]
-) -> Prediction:
-    """The rigid quasi-static prediction of a motion that is played."""
-    setup, recording = walk.setup, walk.recording
-    time = (recording.during - walk.starts) * setup.limits.timestep
-    blocks = [block for stretch in given for block in stretch]
-    contact = np.concatenate([block.contact for block in blocks])
-    margin = np.concatenate([block.margin for block in blocks])
-    return rigid(motion, setup.ground, contact, margin, time)
+            yield commanded(schedule, rows, walk.setup.kinematics)
 
 
 def predicted_along(
-    walk: Walk, model: Callable[[], TwistModel], given: Sequence[Sequence[Commanded]]
+    walk: Walk,
+    name: str,
+    model: Callable[[], TwistModel],
+    given: Sequence[Sequence[Commanded]],
 ) -> Prediction:
-    """One prediction over all stretches, each from the pose it was planned from."""
+    """A prediction over all stretches, from their commands at the moments recorded."""
+    if name == COMPLIANT.key or walk.setup.motion is not None:
+        every = [block for stretch in given for block in stretch]
+        contact = np.concatenate([block.contact for block in every])
+        if name == COMPLIANT.key or walk.setup.motion is None:
+            return _compliant(walk, contact)
+        margin = np.concatenate([block.margin for block in every])
+        return rigid(walk.setup.motion, walk.setup.ground, contact, margin, _time(walk))
     twists, kinematics = model(), walk.setup.kinematics
     slipped = np.zeros(len(walk.setup.robot.legs))
     pieces: list[tuple[Array, Array, Array, Array]] = []
@@ -108,26 +107,26 @@ def predicted_along(
     return Prediction(pose, slip, margin, contact)
 
 
-def compliant_along(
-    walk: Walk, given: Sequence[Sequence[Commanded]]
-) -> CompliantPrediction:
-    """The compliant prediction over all stretches, with what it is told."""
+def _compliant(walk: Walk, contact: Array) -> CompliantPrediction:
+    """The compliant prediction, with what it is told."""
     told, moments = walk.setup.as_told, walk.recording.moments
-    legs = [Leg(stretch.schedule, stretch.pose) for stretch in walk.stretches]
     rows = laid_commands(told, walk.stretches, walk.steps)
-    contact = np.concatenate([block.contact for blocks in given for block in blocks])
     times = moments.step * walk.setup.limits.timestep
-    found = foreseen(told, legs, rows, times, contact)
+    found = foreseen(told, walk.stretches, rows, times, contact)
     before = found.slip[moments.step.searchsorted(walk.starts)]
     return replace(found, slip=np.maximum(found.slip - before, 0.0))
+
+
+def _time(walk: Walk) -> Array:
+    """Of the moments recorded, from the start of the walk on, (T,) [s]."""
+    return (walk.recording.during - walk.starts) * walk.setup.limits.timestep
 
 
 def measured_along(walk: Walk, predicted: Mapping[str, Prediction]) -> Measured | None:
     """What was measured on a real robot, at every recorded moment, if anything."""
     if (motion := walk.setup.motion) is None:
         return None
-    time = (walk.recording.during - walk.starts) * walk.setup.limits.timestep
-    return measured(motion.log, time, next(iter(predicted.values())).pose)
+    return measured(motion.log, _time(walk), next(iter(predicted.values())).pose)
 
 
 def clearances(walk: Walk, predicted: Mapping[str, Prediction]) -> dict[str, Array]:

@@ -33,8 +33,8 @@ def swing_slip(walk: Walk) -> float:
 def standing_slip(walk: Walk, slip: Array | None = None) -> Array:
     """Slip of every foot while it was planned to stand and legs swung, (F,) [m].
 
-    It is that of the physics, or of a prediction with slip (T, F) at the moments
-    recorded. What feet slip while others lift and land does not move the body.
+    It is that of the physics, or of a prediction with slip (T, F). What feet slip while
+    others lift and land does not move the body.
     """
     moments = walk.recording.moments
     total = moments.slip if slip is None else slip
@@ -62,10 +62,9 @@ def foreseen(
 
 
 def _foresight(walk: Walk, prediction: Prediction) -> dict[str, Any]:
-    """What a prediction says of slip by phase and of feet that let go, if anything.
+    """What a prediction says of slip by phase, and when feet first let go [s], if ever.
 
-    A foot lets go where it bears no load for a while, though it should stand while legs
-    swing; its first time is told [s].
+    A foot lets go where it bears no load for a while, though it should as legs swing.
     """
     if not isinstance(prediction, CompliantPrediction):
         return {}
@@ -84,18 +83,15 @@ def _foresight(walk: Walk, prediction: Prediction) -> dict[str, Any]:
         "slip_swing": in_swings,
         "slip_transition": float(total[-1]) - in_swings,
         "lets_go": {
-            str(leg): float(step[rows.argmax()] * dt)
-            for leg, rows in legs
-            if rows.any()
+            str(leg): float(step[at.argmax()] * dt) for leg, at in legs if at.any()
         },
     }
 
 
 def as_planned(walk: Walk, phase: Phase) -> bool:
-    """Whether the feet in contact were those that were planned.
+    """Whether the feet in contact were those that were planned, at all steps.
 
-    All steps of the phase count. Feet that lift off or touch down during the phase are
-    left out.
+    Feet that lift off or touch down during the phase are left out.
     """
     robot = walk.setup.robot
     planned = phase.planted(robot)
@@ -149,10 +145,9 @@ def real_robot(walk: Walk, real: Measured | None) -> Real | None:
             for leg, column in log.contact.items()
         ]
         contact = float(np.mean(alike))
-    spread = None if real.spread is None else real.spread[-1].tolist()
     return Real(
         pose=real.pose[-1].tolist(),
-        spread=spread,
+        spread=None if real.spread is None else real.spread[-1].tolist(),
         joints=joints,
         contact=contact,
         done=[*log.done, *real.done],
@@ -171,9 +166,7 @@ def commanded_pace(walk: Walk) -> tuple[int, float]:
 
 
 def count_changes(walk: Walk, contact: Array | None = None) -> int:
-    """Number of lift-offs and touchdowns of whole groups during the walk.
-
-    Contacts (T, F) are those that were measured where others are not given.
+    """Lift-offs and touchdowns of whole groups in contacts, (T, F), given or measured.
 
     A group has lifted off when its last foot has left the ground, and touched down when
     its last foot has touched it.

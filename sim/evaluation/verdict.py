@@ -1,13 +1,10 @@
-"""The verdict on a walk, as one word and one sentence.
+"""The verdict on a walk: the first word that applies, and a sentence.
 
-The verdict is the first of the following that applies: the robot fell, it collided, it
-missed its goal, it drifted from its prediction, its feet slipped, or it arrived. The
-sentence says where it ended, and what the likely cause is and the next step.
+The sentence says where it ended, and what the likely cause is and the next step.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -16,7 +13,6 @@ import numpy as np
 from planner import Array
 from sim.evaluation.causes import Evidence, likely_cause
 from sim.evaluation.deviations import NEAR, departure
-from sim.evaluation.motions import Achieved
 from sim.evaluation.phases import standing_slip
 from sim.evaluation.summary import Departure, Weighed
 from sim.motion.poses import tilt, wrap
@@ -42,35 +38,27 @@ class Verdict:
     text: str  # one sentence, without a full stop
 
 
-def judge(
-    walk: Walk,
-    achieved: Achieved,
-    predicted: Mapping[str, Prediction],
-    weighed: Weighed,
-    judged: Array,
-) -> Verdict:
+def judge(evidence: Evidence, judged: Array) -> Verdict:
     """The verdict on a walk, from its motion, its predictions and what was weighed.
 
     Extremes are taken over the moments that are judged, shape (T,), bool.
     """
-    best = predicted[weighed.prediction]
-    poses = achieved.pose[judged], best.pose[judged]
-    end, goal = achieved.pose[-1], walk.setup.scenario.goal
-    label, off = PREDICTIONS[weighed.prediction].label, departure(end, best.pose[-1])
-    ended = f"{off} from where the {label} prediction has it"
+    walk, weighed, best = evidence.walk, evidence.weighed, evidence.best
+    end, goal = evidence.achieved.pose[-1], walk.setup.scenario.goal
+    label = PREDICTIONS[weighed.prediction].label
+    ended = f"{departure(end, best.pose[-1])} from where the {label} prediction has it"
     if goal is not None:
         ended = f"{departure(end, np.array(goal))} from the goal and {ended}"
     word, how = (
-        _fell(walk, achieved, judged)
+        _fell(evidence, judged)
         or _collided(walk)
         or _missed(weighed)
-        or _drifted(weighed, *poses)
+        or _drifted(evidence, judged)
         or _slipped(walk, best, weighed)
         or ("arrived", "")
     )
     if word == "arrived":
         return Verdict(word, f"arrived {ended}")
-    evidence = Evidence(walk, achieved, predicted, weighed)
     cause = likely_cause(word, evidence)
     return Verdict(word, f"{how}; it ended {ended}{cause and f'; {cause}'}")
 
@@ -78,12 +66,11 @@ def judge(
 Found = tuple[Word, str] | None
 
 
-def _fell(walk: Walk, achieved: Achieved, judged: Array) -> Found:
+def _fell(evidence: Evidence, judged: Array) -> Found:
+    walk, weight = evidence.walk, evidence.achieved.center_of_mass[:, 2]
     moments, kinematics = walk.recording.moments, walk.setup.kinematics
-    standing = kinematics.standing
-    height = float(kinematics.center_of_mass[2] - standing.height.min())
-    weight = achieved.center_of_mass[:, 2]
-    lost = weight[moments.step >= walk.starts][0] - weight
+    height = float(kinematics.center_of_mass[2] - kinematics.standing.height.min())
+    lost = weight[evidence.walking][0] - weight
     leaning = tilt(moments.qpos, walk.setup.robot.root_address)
     down = judged & ((leaning > TILTED) | (lost > LOW * height))
     if not down.any():
@@ -97,15 +84,11 @@ def _fell(walk: Walk, achieved: Achieved, judged: Array) -> Found:
 
 
 def _collided(walk: Walk) -> Found:
-    counts = {
-        "parts of the robot touched each other": walk.recording.self_contacts,
-        "the robot touched obstacles": walk.recording.wall_contacts,
-    }
-    touched = [
-        f"{what} {count} {'time' if count == 1 else 'times'}"
-        for what, count in counts.items()
-        if count
-    ]
+    counts = (
+        ("parts of the robot touched each other", walk.recording.self_contacts),
+        ("the robot touched obstacles", walk.recording.wall_contacts),
+    )
+    touched = [f"{what} {n} time{'' if n == 1 else 's'}" for what, n in counts if n]
     return ("collided", f"collided: {' and '.join(touched)}") if touched else None
 
 
@@ -115,22 +98,18 @@ def _missed(weighed: Weighed) -> Found:
     return "missed", f"missed its goal by {100 * weighed.goal:.1f} % of the path"
 
 
-def _drifted(weighed: Weighed, achieved: Array, predicted: Array) -> Found:
+def _drifted(evidence: Evidence, judged: Array) -> Found:
     """Whether it was off its prediction; where it ended well, the way counts less."""
+    weighed = evidence.weighed
     ended_well = max(weighed.goal or 0.0, weighed.ended) <= NEAR
     if weighed.farthest <= (ASTRAY if ended_well else TOLERATED):
         return None
-    apart = achieved - predicted
-    off = Departure(
-        position=float(np.hypot(*apart[:, :2].T).max()),
-        yaw=float(np.abs(wrap(apart[:, 2])).max()),
-    )
+    apart = evidence.achieved.pose[judged] - evidence.best.pose[judged]
+    far, turned = np.hypot(*apart[:, :2].T).max(), np.abs(wrap(apart[:, 2])).max()
+    off = Departure(position=float(far), yaw=float(turned))
     name, share = PREDICTIONS[weighed.prediction].label, 100 * weighed.farthest
-    return (
-        "drifted",
-        f"drifted: it was up to {off} off the {name} prediction, {share:.1f} % of the "
-        "path",
-    )
+    where = f"up to {off} off the {name} prediction, {share:.1f} % of the path"
+    return "drifted", f"drifted: it was {where}"
 
 
 def _slipped(walk: Walk, predicted: Prediction, weighed: Weighed) -> Found:
@@ -140,8 +119,6 @@ def _slipped(walk: Walk, predicted: Prediction, weighed: Weighed) -> Found:
     if weighed.ended <= NEAR or more <= SLIPPED * expected:
         return None
     leg = walk.setup.robot.legs[int((slip - foreseen).argmax())]
-    return (
-        "slipped",
-        f"slipped: its feet slid {1e3 * (expected + more):.1f} mm where "
-        f"{1e3 * expected:.1f} mm were predicted, that of leg {leg} before all",
-    )
+    slid = f"its feet slid {1e3 * (expected + more):.1f} mm"
+    asked = f"where {1e3 * expected:.1f} mm were predicted"
+    return "slipped", f"slipped: {slid} {asked}, that of leg {leg} before all"

@@ -23,7 +23,7 @@ from sim.errors import SimulationError
 from sim.motion.poses import relative, tilt
 from sim.motion.schedule import Scheduler
 from sim.physics.recording import Moments, recorded
-from sim.preparation.effort import check_effort
+from sim.preparation.scheduling import check_effort
 from sim.preparation.setup import Setup
 from sim.progress import Progress, silent
 

@@ -3,19 +3,19 @@
 What an imperfect robot misses in a segment is nearly the same all along a walk, and
 changes with the direction in which it goes: a motion that is meant to be u becomes
 u + b + A u and some scatter, all in the frame in which the segment begins. The filter
-estimates the pose, b, A, and offset and rate of a gyroscope. Nothing is learnt from
-what was not seen.
+estimates the pose, b, A, and offset and rate of a gyroscope.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import sqrt
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from planner import Array
-from sim.feedback.misses import Learnt, Misses
 from sim.feedback.sensing import Sensing
 from sim.motion.poses import compose, rotate, seen_from, wrap
 
@@ -26,6 +26,55 @@ GATE = 11.345  # 99 % of chi-squared with three degrees of freedom
 STRANGE = 3  # readings in a row beyond the gate that mean that the robot was moved
 NEARLY_UNKNOWN = np.array([0.02, 0.02, 0.05])  # bias, for the bound [m], [m], [rad]
 LEAST = 1e-12  # standard deviation [m], [rad], which keeps exact readings regular
+LOWER = np.tril_indices(12)  # of the covariance of b and A
+
+
+class Misses(NamedTuple):
+    """Standard deviations of what a segment misses, lengths as shares of a radius.
+
+    The defaults are those of twenty hobby robots, rounded up.
+    """
+
+    bias: Array = np.array([0.015, 0.015, 0.010])  # of b before anything is seen, (3,)
+    slope: Array = np.outer([1, 1, 0.8], [0.1, 0.1, 0.02])  # of A, likewise, (3, 3)
+    scatter: Array = np.array([0.001, 0.001, 0.0012])  # of a miss about b + A u, (3,)
+    wander: Array = np.array([0.05e-3] * 3)  # of what b changes in a segment, (3,)
+
+
+NONE_MISSED = Misses(bias=np.zeros(3), slope=np.zeros((3, 3)), wander=np.zeros(3))
+"""Those of a robot whose segments miss nothing that could be learnt."""
+
+
+@dataclass(frozen=True)
+class Learnt:
+    """What a walk has learnt of its robot, for the next walk."""
+
+    bias: Array  # b, x and y [m] and yaw [rad], (3,)
+    slope: Array  # A, (3, 3)
+    covariance: Array  # of the entries of b and of the rows of A, (12, 12)
+
+    @property
+    def numbers(self) -> tuple[float, ...]:
+        """As files have it: b, the rows of A, and the lower half of the covariance."""
+        parts = self.bias, self.slope.ravel(), self.covariance[LOWER]
+        return tuple(np.concatenate(parts).tolist())
+
+    def __str__(self) -> str:
+        return f"[learnt]\nnumbers = [{', '.join(map(repr, self.numbers))}]\n"
+
+    @classmethod
+    def of(cls, numbers: tuple[float, ...]) -> Self:
+        """What files have; a ValueError says what is wrong with it."""
+        if len(numbers) != 90:
+            raise ValueError(f"90 numbers are needed, got {len(numbers)}")
+        if not np.isfinite(numbers).all():
+            raise ValueError("all must be finite numbers")
+        half = np.zeros((12, 12))
+        half[LOWER] = numbers[12:]
+        whole = half + np.tril(half, -1).T
+        if np.linalg.eigvalsh(whole).min() < -1e-12:
+            raise ValueError("the covariance must be positive semidefinite")
+        return cls(np.array(numbers[:3]), np.reshape(numbers[3:12], (3, 3)), whole)
 
 
 class Feedback:
@@ -114,11 +163,10 @@ class Feedback:
         meant = np.asarray(meant, dtype=float)
         step = meant + self.missing(meant)
         turn = np.zeros((*self.batch, 3, 3))
-        turn[..., :2, 0] = rotate(np.array([1.0, 0.0]), self.pose[..., 2])
-        turn[..., :2, 1] = rotate(np.array([0.0, 1.0]), self.pose[..., 2])
+        for axis in range(2):
+            turn[..., :2, axis] = rotate(np.eye(2)[axis], self.pose[..., 2])
         turn[..., 2, 2] = 1.0
-        moves = np.zeros((*self.batch, STATES, STATES))  # derivative by the state
-        moves[...] = np.eye(STATES)
+        moves = np.tile(np.eye(STATES), (*self.batch, 1, 1))  # derivative by the state
         moves[..., POSE, BIAS] = turn
         by_slope = turn[..., None] * meant[..., None, None, :]
         moves[..., POSE, SLOPE] = by_slope.reshape(*self.batch, 3, 9)
@@ -201,11 +249,7 @@ class Feedback:
 
 
 def bound(
-    sensing: Sensing,
-    meant: Array,
-    seen: Array,
-    scatter: Array,
-    seconds: Array,
+    sensing: Sensing, meant: Array, seen: Array, scatter: Array, seconds: Array
 ) -> tuple[float, float]:
     """Least error of position [m] and yaw [rad] that any estimator could have.
 

@@ -7,7 +7,7 @@ constant rate. What is not told is NaN.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from math import inf, isfinite, radians, sqrt
 from typing import TYPE_CHECKING, Any
 
@@ -25,35 +25,22 @@ WILD = (0.1, 0.1, 0.5)  # how far a wild reading is off at most [m], [m], [rad]
 class Sensing:
     """What is told of the pose at the stop after each segment.
 
-    Attributes:
-        position: Standard deviation of one reading of x and of y [m]; infinite if there
-            is none.
-        yaw: That of its yaw [rad]; infinite if it has none.
-        readings: Taken and averaged at a stop.
-        every: Stops from one that is told to the next.
-        until: Segments after which there are no more readings; None if there are.
-        lost: Share of stops whose reading is lost.
-        wild: Share of stops whose reading is anywhere within `WILD`.
-        gyro_noise: Growth of a gyroscope's error [rad/sqrt(s)]; None without one.
-        gyro_drift: Standard deviation of its unknown constant rate [rad/s].
-        delay: Time that one reading takes [s].
-
     Example:
         >>> from sim import Sensing
         >>> Sensing(position=0.002, yaw=0.02, readings=4).noise
         array([0.001, 0.001, 0.01 ])
     """
 
-    position: float = 0.0
-    yaw: float = 0.0
-    readings: int = 1
-    every: int = 1
-    until: int | None = None
-    lost: float = 0.0
-    wild: float = 0.0
-    gyro_noise: float | None = None
-    gyro_drift: float = 0.0
-    delay: float = 0.0
+    position: float = 0.0  # deviation of one reading of x and y [m]; inf without one
+    yaw: float = 0.0  # that of its yaw [rad]; infinite if it has none
+    readings: int = 1  # taken and averaged at a stop
+    every: int = 1  # stops from one that is told to the next
+    until: int | None = None  # segments after which there are no more readings
+    lost: float = 0.0  # share of stops whose reading is lost
+    wild: float = 0.0  # share of stops whose reading is anywhere within `WILD`
+    gyro_noise: float | None = None  # growth of its error [rad/sqrt(s)], if it has one
+    gyro_drift: float = 0.0  # standard deviation of its constant rate [rad/s]
+    delay: float = 0.0  # time that one reading takes [s]
 
     @property
     def is_exact(self) -> bool:
@@ -87,20 +74,12 @@ KINDS = {
 
 def sensing_of(settings: Settings) -> Sensing:
     """The sensors that a scenario asks for: a kind, and what replaces its numbers."""
-    given: dict[str, Any] = {
-        "position": settings.sense_position,
-        "yaw": settings.sense_yaw,
-        "readings": settings.sense_readings,
-        "every": settings.sense_every,
-        "until": settings.sense_until,
-        "lost": settings.sense_lost,
-        "wild": settings.sense_wild,
-        "delay": settings.sense_delay,
-        "gyro_noise": settings.gyro_noise,
-        "gyro_drift": settings.gyro_drift,
-    }
-    known = {name: value for name, value in given.items() if value is not None}
-    return replace(KINDS[settings.sense], **known)
+    given: dict[str, Any] = {}
+    for name in (field.name for field in fields(Sensing)):
+        key = name if name.startswith("gyro_") else f"sense_{name}"
+        if (value := getattr(settings, key)) is not None:
+            given[name] = value
+    return replace(KINDS[settings.sense], **given)
 
 
 class Sensor:

@@ -5,65 +5,44 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Iterable
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
 from planner import Array
-from sim.feedback.filter import Feedback, bound
-from sim.feedback.misses import Learnt
+from sim.feedback.filter import Feedback, Learnt, bound
 from sim.motion.poses import seen_from
 
 Numbers = tuple[float, ...]
 FLAT = 1e-6  # singular values below it, as a share of the largest, are none
+POSE = ("x", "y", "yaw")
 NAMES = {  # of the columns of feedback.csv, by the fields of a stop in their order
-    "meant": ("x", "y", "yaw"),
-    "seen": ("x", "y", "yaw", "gyro"),
-    "expected": ("x", "y", "yaw"),
-    "doubt": ("x", "y", "yaw"),
-    "thought": ("x", "y", "yaw"),
-    "claimed": ("x", "y", "yaw"),
-    "true": ("x", "y", "yaw"),
-    "bias": ("x", "y", "yaw"),
+    "meant": POSE,
+    "seen": (*POSE, "gyro"),
+    **dict.fromkeys(("expected", "doubt", "thought", "claimed", "true", "bias"), POSE),
 }
-
-
-@dataclass(frozen=True, slots=True)
-class Stop:
-    """The end of a segment; poses in the start frame, lengths in m, angles in rad.
-
-    Attributes:
-        segment: Its number, from 0.
-        time: Of the stop [s].
-        seconds: That the segment took [s].
-        meant: Motion that was planned, in the frame where the segment began.
-        seen: What was told: the camera's pose, the gyroscope's yaw; NaN if it was not.
-        expected: Pose that was thought before that.
-        doubt: Standard deviation that is claimed for that.
-        thought: Pose that is thought after it.
-        claimed: Standard deviation that is then claimed.
-        true: Pose in the physics.
-        bias: b, what is thought that every segment misses.
-    """
-
-    segment: int
-    time: float
-    seconds: float
-    meant: Numbers
-    seen: Numbers
-    expected: Numbers
-    doubt: Numbers
-    thought: Numbers
-    claimed: Numbers
-    true: Numbers
-    bias: Numbers
-
-
 COLUMNS = (
     *("segment", "time", "seconds"),
     *(f"{key}_{name}" for key, names in NAMES.items() for name in names),
 )
+
+
+class Stop(NamedTuple):
+    """The end of a segment; poses in the start frame, lengths in m, angles in rad."""
+
+    segment: int  # its number, from 0
+    time: float  # of the stop [s]
+    seconds: float  # that the segment took [s]
+    meant: Numbers  # motion that was planned, in the frame where the segment began
+    seen: Numbers  # the camera's pose and the gyroscope's yaw; NaN if not told
+    expected: Numbers  # pose that was thought before that
+    doubt: Numbers  # standard deviation that is claimed for that
+    thought: Numbers  # pose that is thought after it
+    claimed: Numbers  # standard deviation that is then claimed
+    true: Numbers  # pose in the physics
+    bias: Numbers  # b, what is thought that every segment misses
 
 
 def written(stops: Iterable[Stop]) -> str:
@@ -72,7 +51,7 @@ def written(stops: Iterable[Stop]) -> str:
     writer = csv.writer(lines, lineterminator="\n")
     writer.writerow(COLUMNS)
     for stop in stops:
-        flat = np.hstack([np.ravel(value) for value in astuple(stop)[1:]]).tolist()
+        flat = np.hstack([np.ravel(value) for value in stop[1:]]).tolist()
         told = ["" if np.isnan(value) else value for value in flat]
         writer.writerow([stop.segment, *told])
     return lines.getvalue()
@@ -112,8 +91,7 @@ def stop_after(
     feedback.moved(meant, seconds)
     before = feedback.pose, feedback.claimed
     feedback.seen(seen[:3], seen[3])
-    after = feedback.pose, feedback.claimed
-    rows = meant, seen, *before, *after, true, feedback.bias
+    rows = meant, seen, *before, feedback.pose, feedback.claimed, true, feedback.bias
     return Stop(segment, time, seconds, *(tuple(row.tolist()) for row in rows))
 
 

@@ -144,7 +144,7 @@ def fit_poses(walked: Walked) -> PoseFit:
 
     def model(values: Array) -> Array:
         lanes = _changed(robot, values.reshape(-1, len(BODY)))
-        walks = Phases(phases.mechanics, lanes, phases.pace).follow_all(walked.course)
+        walks = Phases(phases.mechanics, lanes).follow_all(walked.course)
         found = [_scaled(walk.at(times).pose, first, walked.arm) for walk in walks]
         return np.stack(found).reshape(*values.shape[:2], -1).swapaxes(1, 2)
 

@@ -1,7 +1,4 @@
-"""Stability margin and clearance as expressions that a solver can differentiate.
-
-The weight keeps a distance from every side of the support polygon. Which feet make the
-sides is read off the robot with its legs at angle 0.
+"""Clearance as an expression that a solver can differentiate, for legs of any shape.
 
 Two convex shapes that are apart are closest at a corner of one of them. Seen from
 above, the distances of the robot's corners from the obstacles, and of the obstacles'
@@ -15,16 +12,18 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache, reduce
-from itertools import groupby, permutations
+from itertools import combinations, groupby
 
+import casadi as ca
+import mujoco
 import numpy as np
 import shapely
 
-from models import Kinematics
+from models import Robot
 from planner import Array
 from planner.optimisation import Expression, Stage
 from sim.obstacles.clearance import surroundings
-from sim.optimisation.outlines import BODY, MovingPart, Place, discs, moving_parts
+from sim.obstacles.solids import Outline
 from sim.preparation.setup import Setup
 
 FIRST_ANGLE = 3  # of the state, after the pose
@@ -32,7 +31,13 @@ SMOOTHED = 5e-4  # [m] within which the least of several distances is smoothed
 TINY = 1e-12  # [m^2], keeps the root of a square differentiable
 NEARBY_POINTS = 201  # of the path, to which obstacles may be near
 ENDLESS = 10.0  # [m], of a corridor that counts as without end
+SWINGS = np.array([0.0, 0.4, -0.4])  # [rad] of a joint, where it is sampled
+BASIS = np.stack([np.ones(3), np.cos(SWINGS), np.sin(SWINGS)], axis=-1)
+SAME_PLACE = 1e-7  # [m] between places that are taken for one
+BODY = -1  # in place of a leg's index
 
+Place = tuple[Expression, Expression]
+"""x, y in the body's frame [m], as numbers or as expressions."""
 Sides = Sequence[tuple[Place, Place]]
 
 
@@ -57,8 +62,6 @@ def clearances(
 
     @lru_cache
     def least_distances(stratum: str) -> Expression:
-        import casadi as ca
-
         state, rows = ca.SX.sym("state", size), list[Expression]()
         pose = state[0], state[1], ca.cos(state[2]), ca.sin(state[2])
         for leg, own in groupby(moving_parts(setup, stratum), lambda part: part.leg):
@@ -71,8 +74,6 @@ def clearances(
         return ca.Function("clearances", [state], [ca.vertcat(*rows)])
 
     def of(stage: Stage, state: Sequence[Expression]) -> list[Expression]:
-        import casadi as ca
-
         found = least_distances(stage.stratum)(ca.vertcat(*state[:size]))
         return [found[i] - least for i in range(found.shape[0])]
 
@@ -97,7 +98,7 @@ def near_pieces(setup: Setup, within: float) -> Iterator[Near]:
                 (begin, end)
                 for begin, end in zip(corners, corners[1:] + corners[:1], strict=True)
                 if shapely.distance(shapely.linestrings([begin, end]), path) < reach
-                and (_outward(begin, end, shapely.get_coordinates(points).T) > 0).any()
+                and (outward(begin, end, shapely.get_coordinates(points).T) > 0).any()
             ]
             if sides:
                 away = shapely.distance(shapely.points(corners), path)
@@ -136,31 +137,23 @@ def distance(point: Place, sides: Sides) -> Expression:
 
     Sides are in counter-clockwise order; some may be left out.
     """
-    import casadi as ca
-
     out = beyond(point, sides)
     return ca.if_else(out > 0, apart(point, sides), out)
 
 
 def beyond(point: Place, sides: Sides) -> Expression:
     """Signed distance of a point from the lines that sides are on [m], if convex."""
-    import casadi as ca
-
-    return reduce(ca.fmax, [_outward(*side, point) for side in sides])
+    return reduce(ca.fmax, [outward(*side, point) for side in sides])
 
 
 def apart(point: Place, sides: Sides) -> Expression:
     """Distance of a point from the nearest of several segments [m]."""
-    import casadi as ca
-
     nearest = reduce(ca.fmin, [_square(point, *side) for side in sides])
     return ca.sqrt(nearest + TINY)
 
 
 def _square(point: Place, begin: Place, end: Place) -> Expression:
     """Squared distance of a point from a segment."""
-    import casadi as ca
-
     along = end[0] - begin[0], end[1] - begin[1]
     out = point[0] - begin[0], point[1] - begin[1]
     share = (along[0] * out[0] + along[1] * out[1]) / (along[0] ** 2 + along[1] ** 2)
@@ -168,7 +161,7 @@ def _square(point: Place, begin: Place, end: Place) -> Expression:
     return (out[0] - share * along[0]) ** 2 + (out[1] - share * along[1]) ** 2
 
 
-def _outward(begin: Place, end: Place, point: Expression) -> Expression:
+def outward(begin: Place, end: Place, point: Expression) -> Expression:
     """Distance of a point to the right of a line."""
     along = end[0] - begin[0], end[1] - begin[1]
     out = point[0] - begin[0], point[1] - begin[1]
@@ -176,59 +169,122 @@ def _outward(begin: Place, end: Place, point: Expression) -> Expression:
     return (along[1] * out[0] - along[0] * out[1]) / length
 
 
+def place_of(terms: Array, swing: Expression, lift: float) -> Place:
+    """A leg's point of terms (3, 3, 3) at a swing to be solved for and a given lift."""
+    by_swing = np.einsum("abi,b->ai", terms, [1.0, np.cos(lift), np.sin(lift)])
+    basis = (1.0, ca.cos(swing), ca.sin(swing))
+    x, y = (sum(float(by_swing[a, i]) * basis[a] for a in range(3)) for i in range(2))
+    return x, y
+
+
 def _soft_least(values: Sequence[Expression]) -> Expression:
     """A smooth lower bound on the least of several distances."""
-    import casadi as ca
-
     least = reduce(ca.fmin, values)
     return least - SMOOTHED * ca.log(
         sum(ca.exp((least - v) / SMOOTHED) for v in values)
     )
 
 
-def margins(
-    setup: Setup, least: float
-) -> Callable[[Stage, Sequence[Expression]], list[Expression]]:
-    """Distance of the weight from each side of its support, less the least margin [m].
+@dataclass(frozen=True, eq=False)
+class MovingPart:
+    """A convex part, widened by a radius, that swings with one leg or with none.
 
-    The expressions, of a stage and a state's entries, must not be negative.
+    The place of a leg's point is a sum of 1, cosine and sine of the swing, which three
+    samples determine.
     """
-    robot, kinematics = setup.robot, setup.kinematics
-    foot, _, _, weight = kinematics.terms
 
-    def of(stage: Stage, state: Sequence[Expression]) -> list[Expression]:
-        planted = robot.planted(stage.stratum)
-        raised = np.where(planted, 0.0, setup.limits.lift_angle) * robot.raise_sign
-        feet, (x, y) = list[Place](), map(float, kinematics.center_of_mass[:2])
-        for leg, group in enumerate(robot.group_of_leg):
-            swing = state[FIRST_ANGLE + group] * float(robot.swing_gain[leg])
-            feet.append(_sum(foot[leg], swing, float(raised[leg])))
-            moved = _sum(weight[leg], swing, float(raised[leg]))
-            x, y = x + moved[0], y + moved[1]
+    leg: int  # `BODY` for what stays where it is in the body's frame
+    terms: Array  # corners by 1, cosine and sine of the swing, (3, k, 2) [m]
+    radius: float  # by which the hull of the corners is widened [m]
+
+    def corners(self, cos: Expression = 1.0, sin: Expression = 0.0) -> list[Place]:
+        """Corners in counter-clockwise order, at the cosine and sine of a swing."""
+        one, by_cos, by_sin = self.terms.tolist()
+        if self.leg == BODY:
+            return [(a + c, b + d) for (a, b), (c, d) in zip(one, by_cos, strict=True)]
         return [
-            -_outward(feet[i], feet[j], (x, y)) - least
-            for i, j in _sides(kinematics, planted)
+            (a + c * cos + e * sin, b + d * cos + f * sin)
+            for (a, b), (c, d), (e, f) in zip(one, by_cos, by_sin, strict=True)
         ]
 
-    return of
+    @property
+    def sampled(self) -> Array:
+        """Corners at the sampled swings, shape (3, k, 2) [m]."""
+        found: Array = np.einsum("sb,bki->ski", BASIS, self.terms)
+        return found
 
 
-def _sides(kinematics: Kinematics, planted: Array) -> Iterator[tuple[int, int]]:
-    """Pairs of feet that have all others on their left."""
-    groups = len(kinematics.robot.groups)
-    feet = kinematics.stance(np.zeros(groups)).feet
-    standing = np.flatnonzero(planted)
-    for i, j in permutations(standing.tolist(), 2):
-        others = [k for k in standing if k not in (i, j)]
-        if all(_outward(feet[i], feet[j], feet[k]) < 0 for k in others):
-            yield i, j
+def moving_parts(setup: Setup, stratum: str) -> list[MovingPart]:
+    """The parts that can collide, as they are on a stratum."""
+    robot, outline = setup.robot, Outline(setup.robot, setup.model)
+    lift, parts = np.tile(setup.raised[stratum], (len(SWINGS), 1)), list[MovingPart]()
+    legs = [_leg_of(robot, setup.model, part.geom) for part in outline.solids.parts]
+    for leg in sorted(set(legs)):
+        gain = 1.0 if leg == BODY else float(robot.swing_gain[leg])
+        swing = np.tile(SWINGS[:, None] / gain, (1, len(robot.groups)))
+        qpos = outline.configurations(np.zeros((len(SWINGS), 3)), swing, lift)
+        cores = outline.solids.cores(qpos)
+        for part, core, own in zip(outline.solids.parts, cores, legs, strict=True):
+            if own == leg:
+                terms = np.einsum("bs,ski->bki", np.linalg.inv(BASIS), core)
+                parts.append(MovingPart(leg, terms[:, hull_of(core[0])], part.radius))
+    return parts
 
 
-def _sum(terms: Array, swing: Expression, lift: float) -> Place:
-    """A leg's terms (3, 3, 3) at a swing to be solved for and a given lift."""
-    import casadi as ca
+def discs(parts: list[MovingPart]) -> list[MovingPart]:
+    """The corners of parts, one at a time, that make up their convex hull."""
+    found = list[MovingPart]()
+    for part in sorted(parts, key=lambda part: -part.radius):
+        for k in range(part.terms.shape[1]):
+            disc = MovingPart(part.leg, part.terms[:, k : k + 1], part.radius)
+            if not any(_covers(other, disc) for other in found):
+                found.append(disc)
+    return [
+        disc
+        for disc in found
+        if not any(_between(disc, *pair) for pair in combinations(found, 2))
+    ]
 
-    by_swing = np.einsum("abi,b->ai", terms, [1.0, np.cos(lift), np.sin(lift)])
-    basis = (1.0, ca.cos(swing), ca.sin(swing))
-    x, y = (sum(float(by_swing[a, i]) * basis[a] for a in range(3)) for i in range(2))
-    return x, y
+
+def _covers(disc: MovingPart, other: MovingPart) -> bool:
+    apart = np.linalg.norm(disc.sampled - other.sampled, axis=-1).max()
+    return bool(apart + other.radius <= disc.radius + SAME_PLACE)
+
+
+def _between(disc: MovingPart, one: MovingPart, other: MovingPart) -> bool:
+    """Whether a disc lies within the hull of two others."""
+    if disc in (one, other):
+        return False
+    begin, way = one.sampled, other.sampled - one.sampled
+    squares = (way**2).sum(axis=-1)
+    share = ((disc.sampled - begin) * way).sum(axis=-1) / squares
+    off = np.linalg.norm(begin + share[..., None] * way - disc.sampled, axis=-1)
+    radius = one.radius + share * (other.radius - one.radius)
+    inside = (share >= 0) & (share <= 1) & (off + disc.radius <= radius + SAME_PLACE)
+    return bool(inside.all())
+
+
+def hull_of(points: Array) -> list[int]:
+    """Indices of the corners of a convex hull, counter-clockwise."""
+    hull = shapely.convexhull_of(shapely.multipoints(points))
+    if hull.geom_type == "Polygon":
+        hull = shapely.normalize(hull).exterior.reverse()
+    corners = shapely.get_coordinates(hull)
+    if len(corners) > 1 and np.allclose(corners[0], corners[-1]):
+        corners = corners[:-1]
+    apart = np.linalg.norm(points[None] - corners[:, None], axis=-1)
+    nearest: list[int] = apart.argmin(axis=1).tolist()
+    return nearest
+
+
+def _leg_of(robot: Robot, model: mujoco.MjModel, geom: int) -> int:
+    """Index of the leg that a geom is part of."""
+    body, above = int(model.geom_bodyid[geom]), set[int]()
+    while body:
+        above.add(body)
+        body = int(model.body_parentid[body])
+    for leg, card in enumerate(robot.leg_cards):
+        joints = [model.joint(name).id for name in (card.swing, card.lift)]
+        if not above.isdisjoint(model.jnt_bodyid[joints].tolist()):
+            return leg
+    return BODY

@@ -1,25 +1,46 @@
-"""Properties of a plan as a schedule: its duration, and its predicted end."""
+"""The task that a scenario gives to the optimiser, and the judge of its plans.
+
+The strokes move the body as the real contacts do, and time is that of the schedule. The
+path is followed as closely as the scenario demands, or as closely as its stratified
+plan follows it.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
+from math import inf, pi
 
 import numpy as np
 
-from models import TwistModel
+from models import Equations, TwistModel
+from models.motion import contact_equations, contact_fields
 from planner import Array, Flow, Plan, contact_switches
 from planner.execution import stepped
+from planner.optimisation import (
+    CHEAP,
+    Criterion,
+    Expression,
+    Inequality,
+    Stage,
+    Task,
+    Tolerance,
+    cycle,
+)
 from sim.experiments.predictions import twist_model
 from sim.motion.poses import PathDeviation, path_deviation
 from sim.motion.prediction import Predictor, inspections
 from sim.motion.schedule import Schedule
 from sim.obstacles.clearance import surroundings
-from sim.planning.bounds import ClearanceBound
-from sim.planning.forecast import ForeseenStretch
+from sim.planning.bounds import ClearanceBound, ForeseenStretch
 from sim.preparation.scheduling import scheduled
 from sim.preparation.setup import Setup
 from sim.scenarios.predictions import IDEAL, QUASI_STATIC
+
+RANGE_ROOM = 1e-4  # [rad] kept from the ends of the joint range, for servos
+ROUGH = 1e-6  # [m/rad], [rad/rad] of fields; the aim makes up for what they leave out
+INNER_ROOM = 1e-4  # [m] of margin and clearance, kept between the ends of strokes
 
 
 def real_prediction(setup: Setup) -> str:
@@ -114,7 +135,7 @@ class Judge:
             return 0.0
         bound = ClearanceBound(surroundings(self.setup), least)
         stretch = ForeseenStretch(self._predictor(schedule))
-        return max(0.0, least - bound.least_of(stretch))
+        return max(0.0, least - float(bound.swept(stretch).min()))
 
     def schedule(self, segments: Sequence[Sequence[Flow]]) -> Schedule:
         """The commands of flows, without holds."""
@@ -122,3 +143,103 @@ class Judge:
 
     def _predictor(self, schedule: Schedule) -> Predictor:
         return Predictor(schedule, real_twists(self.setup), self.setup.kinematics)
+
+
+def real_equations(setup: Setup) -> Equations:
+    """The robot's equations with the strokes that its plans use as they really are."""
+    return _equations(setup, real_prediction(setup))
+
+
+@lru_cache(maxsize=4)
+def _equations(setup: Setup, prediction: str) -> Equations:
+    described = setup.equations
+    used = [e for e in described.elements if e in described.swings]
+    groups, twists = setup.robot.groups, twist_model(setup, prediction)
+    fields = contact_fields(described, groups, twists, used, ROUGH)
+    return contact_equations(described, fields)
+
+
+def task_of(setup: Setup, within: tuple[float, float]) -> Task:
+    """Fields, stages, margin and clearance to keep, within deviations [m] and [rad]."""
+    scenario, described = setup.scenario, real_equations(setup)
+    system = described.system
+    names = [str(symbol) for symbol in system.state]
+    pace = {
+        name: max(map(abs, direction)) / setup.limits.swing_speed
+        for name, direction in described.swings.items()
+    }
+    stages = cycle(system, described.elements)
+    recoveries = {r.field for stage in stages for r in stage.recoveries}
+    cheap = CHEAP if scenario.optimise == "strokes" else 1.0
+    yaw = within[1] if within[1] < pi else inf
+    return Task(
+        system=system,
+        stages=stages,
+        tolerances=(Tolerance((0, 1), within[0]), Tolerance((2,), yaw)),
+        limits={
+            names.index(name): (low + RANGE_ROOM, high - RANGE_ROOM)
+            for name, (low, high) in described.limits.items()
+        },
+        price={
+            name: p * (cheap if name in recoveries else 1.0) for name, p in pace.items()
+        },
+        overlapped=scenario.overlap_recovery,
+        centred=described.stance == "stepped",
+        inequalities=tuple(_inequalities(setup, within[0])),
+    )
+
+
+def criterion_of(setup: Setup) -> Criterion:
+    """What is to be least, and how flows are measured."""
+    objective, judge = setup.scenario.optimise, Judge(setup)
+    if objective == "none":
+        raise ValueError("the scenario asks for no optimisation")
+    return Criterion(
+        objective=objective,
+        duration=judge.duration,
+        predict=judge.end,
+        complete=judge.stepped if real_equations(setup).stance == "stepped" else None,
+    )
+
+
+def _inequalities(setup: Setup, within: float) -> Iterator[Inequality]:
+    """Margin and clearance, as far as the scenario asks for them."""
+    judge, clearance = Judge(setup), least_clearance(setup)
+    if (margin := setup.scenario.min_margin) is not None:
+        kept = margins(setup, margin + INNER_ROOM)
+        yield Inequality("stability margin", kept, judge.margin_lack)
+    if clearance is not None:
+        from sim.optimisation.clearances import clearances  # casadi need not be there
+
+        kept = clearances(setup, clearance + INNER_ROOM, within)
+        yield Inequality("clearance", kept, judge.clearance_lack, relaxed=True)
+
+
+def margins(
+    setup: Setup, least: float
+) -> Callable[[Stage, Sequence[Expression]], list[Expression]]:
+    """Distance of the weight from each side of its support, less the least margin [m].
+
+    The expressions, of a stage and a state's entries, must not be negative.
+    """
+    from sim.optimisation.clearances import FIRST_ANGLE, hull_of, outward, place_of
+
+    robot, kinematics = setup.robot, setup.kinematics
+    foot, _, _, weight = kinematics.terms
+    still = kinematics.standing.feet
+
+    def of(stage: Stage, state: Sequence[Expression]) -> list[Expression]:
+        planted = robot.planted(stage.stratum)
+        raised = np.where(planted, 0.0, setup.limits.lift_angle) * robot.raise_sign
+        feet, (x, y) = [], map(float, kinematics.center_of_mass[:2])
+        for leg, group in enumerate(robot.group_of_leg):
+            swing = state[FIRST_ANGLE + group] * float(robot.swing_gain[leg])
+            feet.append(place_of(foot[leg], swing, float(raised[leg])))
+            moved = place_of(weight[leg], swing, float(raised[leg]))
+            x, y = x + moved[0], y + moved[1]
+        standing = np.flatnonzero(planted)
+        ring = standing[hull_of(still[standing])].tolist()
+        sides = sorted(zip(ring, ring[1:] + ring[:1], strict=True))
+        return [-outward(feet[i], feet[j], (x, y)) - least for i, j in sides]
+
+    return of

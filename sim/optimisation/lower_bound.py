@@ -1,50 +1,36 @@
-r"""A time that every walk along a path takes at least, with the proof.
+"""A time that every walk along a path takes at least; docs/short-walks.md proves it.
 
-A walk visits strata: some groups are lifted, another strokes, the lifted ones recover,
-and they land again. On a visit the body moves to and fro along one curve, since it
-depends on the angle phi of the group that strokes alone. Let G(phi) and Y(phi) be place
-and heading on this curve, zero at phi = 0, and alpha the heading at phi = 0. A visit
-from angle a to angle b moves the body by R(alpha) (G(b) - G(a)), with headings
-alpha + Y on the way. It takes at least T(|b - a|) for lifting, one stroke and landing.
-
-Take any vector lambda, and a function V of each group's angle whose slope is at most
-the time that a recovery takes per radian. If all alpha, a and b with headings within
-the tolerance satisfy
+On a visit of a stratum one group strokes from angle a to angle b, which moves the body
+along a curve G with headings alpha + Y and takes at least T(|b - a|). Let V of each
+group's angle be no steeper than its recovery is slow. If on all visits
 
     lambda . R(alpha) (G(b) - G(a)) + V(b) - V(a) <= rho T(|b - a|),    rho >= 1,    (*)
 
-then lambda . x + V_1(phi_1) + V_2(phi_2) + ... grows by at most rho times the duration
-of a visit, recoveries included. Legs end where they began, so V cancels, and the walk
-takes at least lambda . (goal - start) / rho. The best lambda and V for some alpha, a, b
-solve a linear program. Then rho is found for all of them, and the bound holds even if
-the program was solved badly: on the cells of a grid the left side of (*) is at most its
-largest value at corners plus the error of linear interpolation, spacing^2 / 8 times the
-second derivatives; T is concave, so that it is at least its least at corners.
-
-A path that turns is cut in K pieces with a lambda each. The walk passes the cuts within
-the tolerance, which costs |lambda| times it on either side. A visit under way at a cut
-counts as two; together they take no more than it does, plus a visit without a stroke
-and what a stroke loses by accelerating. Where recoveries overlap strokes a visit takes
-at least any weighted mean of both, and the program chooses the weights. Where strokes
-depend on more, or take place with all feet down, this proves nothing. What remains is
-the way at the highest speed: a walk is at least as long as the way through circles
-around the points of the path, and the fastest stroke is nowhere outrun.
+the walk takes at least lambda . (goal - start) / rho. A linear program proposes lambda
+and V of each piece of the path; rho is then found on a grid of all visits.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from math import inf, pi
 
 import numpy as np
 
-from planner import Array
-from sim.optimisation.formulation import ROUGH, task_of
-from sim.optimisation.judging import real_twists
-from sim.optimisation.visits import ANGLES, Curve, curves, headings_at, visits
+from planner import Array, Flow
+from planner.optimisation import Stage, Task
+from sim.optimisation.judging import ROUGH, Judge, real_twists, task_of
 from sim.preparation.setup import Setup
 
+ANGLES = 61  # of a group, between the ends of its range
+FINE_ANGLES = 20  # times as many, to integrate by
+LEAST_STROKE = 1e-9  # [rad], of a visit that only lifts and lands
+ROUNDED_STEPS = 3  # of physics, to which a visit is rounded up at most
+HEADINGS = 0.005  # [rad] between two values of alpha on the grid at least
+MOST_HEADINGS = 200  # of them
+ROOM = 1.01  # of second derivatives that are known at the fine angles alone
 PIECES = (1, 2, 3, 4)  # numbers of them that are tried
 EVERY = 4  # of these, in the linear program
 FEW_HEADINGS = 64  # in the linear program
@@ -53,6 +39,29 @@ SWEPT_ANGLES = 25  # of each group, ends of the joint range included
 DRAWN_ANGLES = 4000  # where there are too many groups for a grid
 MOST_GRIDDED = 2  # groups
 BOUND_POINTS = 101  # of the path
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """The body's curve while one group strokes, and the time that strokes take."""
+
+    angles: Array  # of the group, evenly spaced, shape (k,) [rad]
+    planar: Array  # G as complex numbers, shape (k,) [m]
+    headings: Array  # Y, shape (k,) [rad]
+    bend: float  # second derivative of G at most [m/rad^2]
+    times: Array  # T of strokes from the first angle to each, shape (k,) [s]
+    slope: float  # of V at most, the time of a recovery [s/rad]
+
+    @property
+    def spacing(self) -> float:
+        """Distance of two angles [rad]."""
+        return float(self.angles[1] - self.angles[0])
+
+    @property
+    def spare(self) -> float:
+        """Time that two parts of a visit may take beyond the whole [s]."""
+        pace = (self.times[-1] - self.times[-2]) / self.spacing
+        return float((self.times - pace * (self.angles - self.angles[0])).max())
 
 
 def least_time(setup: Setup, within: float, yaw: float = inf) -> float:
@@ -71,12 +80,81 @@ def least_time(setup: Setup, within: float, yaw: float = inf) -> float:
     """
     points = setup.scenario.path.curve.at(np.linspace(0.0, 1.0, BOUND_POINTS))
     plain = shortest_way(points[:, :2], within) / top_speed(setup)
-    found = list(curves(setup, task_of(setup, (within, yaw))))
+    task = task_of(setup, (within, yaw))
+    found = [_curve(setup, task, stage) for stage in task.stages if stage.stroke]
     known = [curve for curve in found if curve is not None]
-    if not known or None in found:
+    if not known or len(known) < len(found):
         return plain
     proven = (_proven(setup, known, points, within, yaw, k) for k in PIECES)
     return float(max(plain, *proven))
+
+
+def _curve(setup: Setup, task: Task, stage: Stage) -> Curve | None:
+    """The curve of a stage's stroke; None if it depends on more, or on all feet."""
+    system, judge = task.system, Judge(setup)
+    state, column = system.state, system.fields[stage.stroke]
+    rates = {i: rate for i, rate in task.rates(stage).items() if i > 2}
+    if stage.stratum == system.bottom or len(rates) != 1:
+        return None
+    ((own, rate),) = rates.items()
+    if column.free_symbols - {state[2], state[own]}:
+        return None
+    low, high = task.limits[own]
+    angles = np.linspace(low, high, ANGLES)
+    fine = np.linspace(low, high, (ANGLES - 1) * FINE_ANGLES + 1)
+    states = np.zeros((len(fine), len(state)))
+    states[:, own] = fine
+    velocity = system.compiled(stage.stroke).values(states)[:, :, 0] / rate
+
+    def integrated(rows: Array) -> Array:
+        steps = (rows[1:] + rows[:-1]) / 2 * (fine[1] - fine[0])
+        return np.concatenate([[0.0], np.cumsum(steps)])
+
+    heading = integrated(velocity[:, 2])
+    heading -= np.interp(0.0, fine, heading)
+    turn = np.exp(1j * heading) * (velocity[:, 0] + 1j * velocity[:, 1])
+    place = integrated(turn)
+    bend = ROOM * float(np.abs(np.gradient(turn, fine)).max())
+
+    lengths = np.maximum(angles - low, LEAST_STROKE) / rate
+    flows = ([Flow(stage.stratum, stage.stroke, length)] for length in lengths.tolist())
+    times = np.array([judge.duration(flow) for flow in flows])
+    others = {s.stratum for s in task.stages} - {stage.stratum}
+    direct = min((system.switches(stage.stratum, other) for other in others), default=2)
+    lifts = 2 * system.switches(system.bottom, stage.stratum)
+    times -= ROUNDED_STEPS * setup.limits.timestep
+    times -= times[0] * max(0.0, 1 - direct / lifts)  # shared with other visits
+    prices = [
+        task.cost(recovery.field) / abs(recovery.rate)
+        for other in task.stages
+        for recovery in other.recoveries
+        if recovery.coordinate == own
+    ]
+    slope = 0.0 if task.centred or not prices else min(prices)
+    coarse = slice(None, None, FINE_ANGLES)
+    return Curve(angles, place[coarse], heading[coarse], bend, times, slope)
+
+
+def _headings(curve: Curve, span: tuple[float, float], count: int | None) -> Array:
+    """Values of alpha, evenly spaced, at which the heading may be in a span."""
+    low, high = span[0] - curve.headings.max(), span[1] - curve.headings.min()
+    high = min(high, low + 2 * pi) if np.isfinite(low) else pi
+    low = low if np.isfinite(low) else -pi
+    most = min(MOST_HEADINGS, 2 + int((high - low) / HEADINGS))
+    return np.linspace(low, high, count or most)
+
+
+def _visits(
+    curve: Curve, span: tuple[float, float], alpha: Array, knots: Array, room: float
+) -> tuple[Array, Array, Array]:
+    """Indices of alpha, and of knots a and b, between which headings are in a span.
+
+    The span is widened by a room on both sides.
+    """
+    heading = alpha[:, None] + curve.headings[knots]
+    inside = (heading >= span[0] - room) & (heading <= span[1] + room)
+    k, a, b = np.nonzero(inside[:, :, None] & inside[:, None, :])
+    return k, a, b
 
 
 def _proven(
@@ -89,17 +167,14 @@ def _proven(
 ) -> float:
     """The bound by a path in so many pieces, 0 at least."""
     cuts = np.linspace(0, len(points) - 1, count + 1).round().astype(int)
-    spans = [
-        (float(part[:, 2].min() - yaw), float(part[:, 2].max() + yaw))
-        for part in (points[a : b + 1] for a, b in pairwise(cuts))
-    ]
+    turns = [points[a : b + 1, 2] for a, b in pairwise(cuts)]
+    spans = [(float(turn.min() - yaw), float(turn.max() + yaw)) for turn in turns]
     ways = np.diff(points[cuts, :2], axis=0)
     radii = np.full(count + 1, within)
     radii[[0, -1]] = 0.0
     loose = radii[1:] + radii[:-1]
     overlapped = setup.scenario.overlap_recovery
-    found = _certificate(groups, spans, ways, loose, overlapped)
-    if found is None:
+    if (found := _certificate(groups, spans, ways, loose, overlapped)) is None:
         return 0.0
     leads, heights, share = found
     rates = [
@@ -130,29 +205,19 @@ def _certificate(
     rows, most = list[Array](), list[Array]()
     for piece, span in enumerate(spans):
         for number, curve in enumerate(groups):
-            alpha = headings_at(curve, span, FEW_HEADINGS)
-            k, a, b = visits(curve, span, alpha, knots, 0.0)
-            row = np.zeros((len(k), size))
-            moved = np.exp(1j * alpha[k]) * (
-                curve.planar[knots[b]] - curve.planar[knots[a]]
-            )
+            alpha = _headings(curve, span, FEW_HEADINGS)
+            k, a, b = _visits(curve, span, alpha, knots, 0.0)
+            row = np.eye(size)[heights[number, b]] - np.eye(size)[heights[number, a]]
+            way = curve.planar[knots[b]] - curve.planar[knots[a]]
+            moved = np.exp(1j * alpha[k]) * way
             row[:, 2 * piece], row[:, 2 * piece + 1] = moved.real, moved.imag
-            each = np.arange(len(k))
-            row[each, heights[number, b]] += 1.0
-            row[each, heights[number, a]] -= 1.0
             times = curve.times[np.abs(knots[b] - knots[a])]
             row[:, -1] = times - curve.times[0] if overlapped else 0.0
             rows.append(row)
             most.append(times)
     for number, curve in enumerate(groups):
-        row = np.zeros((2 * len(knots) - 2, size))
-        each = np.arange(len(knots) - 1)
-        for sign, part in ((1.0, row[: len(each)]), (-1.0, row[len(each) :])):
-            part[each, heights[number, 1:]], part[each, heights[number, :-1]] = (
-                sign,
-                -sign,
-            )
-        allowed = curve.slope * curve.spacing * EVERY
+        steps = np.eye(size)[heights[number, 1:]] - np.eye(size)[heights[number, :-1]]
+        row, allowed = np.vstack([steps, -steps]), curve.slope * curve.spacing * EVERY
         row[:, -1] = -allowed if overlapped else 0.0
         rows.append(row)
         most.append(np.full(len(row), 0.0 if overlapped else allowed))
@@ -181,12 +246,12 @@ def _largest_rate(
     curve: Curve, span: tuple[float, float], lead: Array, height: Array, weight: float
 ) -> float:
     """What rho has to be for a piece and a curve."""
-    alpha = headings_at(curve, span, None)
+    alpha = _headings(curve, span, None)
     size, apart = float(np.linalg.norm(lead)), float(alpha[1] - alpha[0])
     reach = float(np.abs(curve.planar[:, None] - curve.planar).max())
     missed = size * (2 * curve.spacing**2 * curve.bend + apart**2 * reach) / 8
     room = apart + np.abs(np.diff(curve.headings)).max()
-    k, a, b = visits(curve, span, alpha, np.arange(ANGLES), room)
+    k, a, b = _visits(curve, span, alpha, np.arange(ANGLES), room)
     lead_of = (lead[0] - 1j * lead[1]) * np.exp(1j * alpha)
     gained = (lead_of[k] * (curve.planar[b] - curve.planar[a])).real
     gained += height[b] - height[a] + missed

@@ -1,13 +1,15 @@
 """Lower bounds on the stability margin and the clearance of the predicted motion.
 
 The nominal path is divided so finely that the motion along it keeps the bounds of the
-scenario. The planner decides how finely, from the slack that this module computes.
+scenario. The planner decides how finely, from the slack that this module computes. The
+motion is foreseen by the prediction that the scenario steers on.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -22,11 +24,14 @@ from planner import (
     subdivide,
 )
 from planner.planning import Slack, grid
-from planner.support import point
+from planner.support import point, tick
+from sim.experiments.predictions import twist_model
+from sim.motion.prediction import Predictor, inspections
+from sim.motion.schedule import Schedule
 from sim.motion.stability import stability_margin
 from sim.obstacles.clearance import Surroundings, surroundings
-from sim.planning.forecast import ForeseenStretch, foresee
-from sim.planning.open_loop import plan_open_loop
+from sim.planning.open_loop import plan_open_loop, plan_segment, segment_target
+from sim.preparation.scheduling import scheduled
 from sim.preparation.setup import Setup
 
 JUST_BEYOND = 1e-9  # [rad], a joint range that a steered plan leaves
@@ -55,7 +60,7 @@ def within_bounds(setup: Setup) -> tuple[Setup, Plan | None]:
         tried = setup.recut(cuts)
         try:
             planned = None if scenario.replan else plan_open_loop(tried)
-            stages = foresee(tried, planned)
+            stages = list(foresee(tried, planned))
         except RangeError as error:
             if error.segments is None:
                 raise
@@ -66,10 +71,10 @@ def within_bounds(setup: Setup) -> tuple[Setup, Plan | None]:
             unresolved = np.zeros(len(cuts) - 1)
             unresolved[list(error.segments)] = 1.0
             return [_left_out("resolution", unresolved)]
-        if min((stage.fraction for stage in stages), default=1.0) < 1:
-            beyond = np.zeros(len(cuts) - 1)
-            for stage in stages:
-                beyond[stage.schedule.phases[-1].segment] = 1 / stage.fraction - 1
+        beyond = np.zeros(len(cuts) - 1)
+        for stage in stages:
+            beyond[stage.schedule.phases[-1].segment] = 1 / stage.fraction - 1
+        if beyond.any():
             return [_left_out("joint range", beyond)]
         return [bound.slack(tried, stages) for bound in bounds]
 
@@ -99,6 +104,63 @@ def _reach(setup: Setup) -> Slack:
 def _left_out(bound: str, parts: Array) -> Slack:
     """Slack where parts of the segments, (segments,), are not followed for a reason."""
     return Slack(bound, 0.0, np.ones_like(parts), -parts, law=1.0)
+
+
+@dataclass(frozen=True)
+class ForeseenStretch:
+    """A stretch of commands and the motion predicted for it."""
+
+    predictor: Predictor
+    fraction: float = 1.0  # of its way; below 1 if the joint range cuts it short
+
+    @property
+    def schedule(self) -> Schedule:
+        """The commands."""
+        return self.predictor.schedule
+
+    @cached_property
+    def rows(self) -> Array:
+        """Steps to inspect: the end of every phase, and even distances before it."""
+        return inspections(self.schedule) - 1 - self.schedule.start
+
+    def segment(self, rows: Array) -> Array:
+        """Segment that determines the configuration at each step, shape (T,).
+
+        Before the first swing of a segment it is the previous one, which left the legs
+        in their present angles.
+        """
+        deciding, swung = [], -1
+        for phase in self.schedule.phases:
+            if phase.kind == "swing":
+                swung = phase.segment
+            deciding.append(max(phase.segment - (phase.segment != swung), 0))
+        return np.array(deciding)[self.schedule.phase_of(rows)]
+
+
+def foresee(setup: Setup, planned: Plan | None = None) -> Iterator[ForeseenStretch]:
+    """The stretches of a walk in time order: its plan, or without one each segment.
+
+    Every segment is taken to end at its predicted pose, and one that the joint range
+    cuts short is taken to reach its target nevertheless.
+    """
+    twists = twist_model(setup, setup.scenario.steered_on)
+    if planned is not None:
+        schedule = scheduled(setup, planned.segments())
+        if schedule.phases:
+            yield ForeseenStretch(Predictor(schedule, twists, setup.kinematics))
+        return
+    shape, pose = setup.at_rest, np.zeros(3)
+    for segment in range(setup.scenario.segments):
+        tick()
+        step = plan_segment(setup, segment, pose, shape.swing)
+        schedule = scheduled(setup, step.plan.segments(), shape, segment)
+        predictor = Predictor(schedule, twists, setup.kinematics, tuple(pose))
+        shape = schedule.end
+        if schedule.phases:
+            pose = predictor(np.array([schedule.stop - schedule.start - 1])).pose[0]
+            yield ForeseenStretch(predictor, step.fraction)
+        if step.fraction < 1:
+            pose = segment_target(setup, segment)
 
 
 @dataclass(frozen=True)
@@ -158,13 +220,9 @@ class ClearanceBound:
         walking = np.full(setup.scenario.segments, np.inf)
         for stage in stages:
             segment = stage.segment(stage.rows[:-1])
-            np.minimum.at(walking, segment, self._swept(stage))
+            np.minimum.at(walking, segment, self.swept(stage))
         room, left = standing - self.least, walking - self.least
         return Slack("min_clearance", self.least, room, left, unit="m")
-
-    def least_of(self, stage: ForeseenStretch) -> float:
-        """Least clearance of a stretch of motion [m]."""
-        return float(self._swept(stage).min())
 
     def _standing(self, setup: Setup) -> Array:
         """Clearance along the nominal path on any stratum, shape (segments,) [m]."""
@@ -178,14 +236,13 @@ class ClearanceBound:
             clearance = self.surroundings.clearances(qpos).least
             worst = int(clearance.argmin())
             if clearance[worst] <= self.least:
-                raise self._refusal(
-                    poses[worst], stratum, qpos[worst], clearance[worst]
-                )
+                found = poses[worst], qpos[worst], float(clearance[worst])
+                raise self._refusal(stratum, *found)
             least = np.minimum(least, clearance)
         return least.reshape(segments, samples).min(axis=1)
 
     def _refusal(
-        self, pose: Array, stratum: str, qpos: Array, clearance: float
+        self, stratum: str, pose: Array, qpos: Array, clearance: float
     ) -> BoundError:
         part, obstacle = self.surroundings.nearest(qpos)
         missing = 1e3 * (self.least - clearance)
@@ -196,7 +253,7 @@ class ClearanceBound:
             f"{missing:.1f} mm more room there, or lower min_clearance"
         )
 
-    def _swept(self, stage: ForeseenStretch) -> Array:
+    def swept(self, stage: ForeseenStretch) -> Array:
         """A lower bound on the clearance after each row but the last, (T - 1,) [m]."""
         rows = stage.rows
         return self._between(stage, np.stack([rows[:-1], rows[1:]], axis=1))
@@ -209,17 +266,16 @@ class ClearanceBound:
         rows, where = np.unique(pairs, return_inverse=True)
         configurations = stage.predictor.configurations(rows)
         qpos = self.surroundings.outline.configurations(*configurations)
-        found = self.surroundings.clearances(qpos, self.least)
+        clear = self.surroundings.clearances(qpos, self.least)
         begin, end = where.reshape(-1, 2).T
-        seen = np.minimum(found.least[begin], found.least[end])
-        bound = np.minimum(seen, found.between(begin, end))
+        seen = np.minimum(clear.least[begin], clear.least[end])
+        bound = np.minimum(seen, clear.between(begin, end))
         far = np.diff(pairs)[:, 0] > 1
         open_ = far & (bound < self.least) & (seen >= self.least)
         if open_.any():
             middle = pairs[open_].mean(axis=1).astype(int)
             first, last = pairs[open_].T
-            halves = np.concatenate(
-                [np.stack([first, middle], axis=1), np.stack([middle, last], axis=1)]
-            )
-            bound[open_] = self._between(stage, halves).reshape(2, -1).min(axis=0)
+            halves = np.transpose([[first, middle], [middle, last]], (0, 2, 1))
+            found = self._between(stage, halves.reshape(-1, 2))
+            bound[open_] = found.reshape(2, -1).min(axis=0)
         return np.where(seen < self.least, seen, bound)

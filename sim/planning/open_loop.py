@@ -81,12 +81,12 @@ def _on_counts(setup: Setup) -> Plan:
     """
     plan_along(setup, setup.nominal())  # refused where the joint range is too short
     twists = twist_model(setup, "quasi_static")
+    swings = setup.equations.swings
     pose, swing, plans = np.zeros(3), setup.at_rest.swing, list[Plan]()
     for segment in range(setup.scenario.segments):
         plan = plan_segment(setup, segment, pose, swing).plan
         pose = compose(pose, segment_ends(setup, plan, twists, swing)[-1])
-        moves = ((setup.equations.swings[f.field], f.duration) for f in plan.flows)
-        changes = [np.multiply(*move) for move in moves]
+        changes = [np.multiply(swings[f.field], f.duration) for f in plan.flows]
         swing = tuple(np.sum([np.array(swing), *changes], axis=0).tolist())
         plans.append(plan)
     return _joined(setup, plans)

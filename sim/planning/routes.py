@@ -41,24 +41,20 @@ def routed(setup: Setup) -> Setup:
     scenario = setup.scenario
     if scenario.path.kind != "route":
         return setup
-    if scenario.obstacles:
-        path = _around(surroundings(setup), setup)
-    else:
-        path = nominal.line(scenario.path.goal)
+    path = _around(setup) if scenario.obstacles else nominal.line(scenario.path.goal)
     return replace(setup, scenario=replace(scenario, path=path))
 
 
-def _around(around: Surroundings, setup: Setup) -> NominalPath:
+def _around(setup: Setup) -> NominalPath:
     """The first route found, with as much room on both sides as possible."""
-    scenario = setup.scenario
+    scenario, around = setup.scenario, surroundings(setup)
     least, goal = max(scenario.min_clearance, 0.0), scenario.path.goal
     postures = list(setup.raised.values())
     for name, pose in (("start", nominal.START), ("goal", goal)):
         _require_room(around, name, pose, postures, least)
     for room in SIDE_ROOM:
         search = _Search(around, goal, postures, least, room)
-        found = search.run(scenario.seed, scenario.segments)
-        if found is not None:
+        if (found := search.run(scenario.seed, scenario.segments)) is not None:
             path = nominal.waypoints([tuple(pose) for pose in found.tolist()])
             return replace(path, goal=goal)
     clearance = least + SIDE_ROOM[-1]
@@ -75,15 +71,13 @@ def _require_room(
     qpos = np.concatenate([around.postures(np.array([pose]), up) for up in postures])
     clearances = around.clearances(qpos).least
     worst = int(clearances.argmin())
-    clearance = float(clearances[worst])
-    if clearance > least:
-        return
-    part, obstacle = around.nearest(qpos[worst])
-    raise BoundError(
-        f"the {name} {point(pose)} has {part} {1e3 * clearance:.1f} mm from obstacle "
-        f"{obstacle}, where more than {1e3 * least:.1f} mm are required; move one of "
-        "them"
-    )
+    if clearances[worst] <= least:
+        part, obstacle = around.nearest(qpos[worst])
+        raise BoundError(
+            f"the {name} {point(pose)} has {part} {1e3 * clearances[worst]:.1f} mm "
+            f"from obstacle {obstacle}, where more than {1e3 * least:.1f} mm are "
+            "required; move one of them"
+        )
 
 
 class _Search:
@@ -117,8 +111,7 @@ class _Search:
             return next(trials, None) is None
 
         seeds = range(SEARCHES * seed, SEARCHES * (seed + 1))
-        ways = [way for way in (self._once(s, spent) for s in seeds) if way]
-        if not ways:
+        if not (ways := [way for s in seeds if (way := self._once(s, spent))]):
             return None
         best = min(ways, key=lambda way: way.length())
         pieces = segments * math.ceil(best.length() / (segments * CHORD) or 1)

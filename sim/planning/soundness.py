@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from contextlib import nullcontext
+from functools import cached_property
 
 import mujoco
 import numpy as np
@@ -49,7 +50,7 @@ def require_sound_flows(
     if schedule.phases:
         rows = inspections(schedule) - 1 - schedule.start
         _refuse_tipping(setup, schedule, rows)
-        _refuse_collisions(setup, schedule, rows)
+        _refuse_collisions(setup, *schedule.angles(rows), rows)
 
 
 def _refuse_tipping(setup: Setup, schedule: Schedule, rows: Array) -> None:
@@ -68,40 +69,39 @@ def _refuse_tipping(setup: Setup, schedule: Schedule, rows: Array) -> None:
         )
 
 
-def _refuse_collisions(setup: Setup, schedule: Schedule, rows: Array) -> None:
-    angles = np.concatenate(schedule.angles(rows), axis=1)
+def _refuse_collisions(setup: Setup, swing: Array, lift: Array, rows: Array) -> None:
+    angles, overlaps = np.concatenate([swing, lift], axis=1), Collisions(setup)
     _, first = np.unique(np.round(angles / INSPECTED_APART), axis=0, return_index=True)
-    groups = len(setup.robot.groups)
-    chosen = np.sort(first)
-    apart = Collisions(setup)
-    for row, angle in zip(rows[chosen], angles[chosen], strict=True):
-        for (one, other), depth in apart(angle[:groups], angle[groups:]).items():
-            names = (_name(setup.model, geom) for geom in (one, other))
-            raise _refusal(
-                f"the plan makes legs collide: {' and '.join(names)} overlap by "
-                f"{1e3 * depth:.1f} mm",
-                setup,
-                row,
-            )
+    for row in np.sort(first):
+        for pair, depth in overlaps(swing[row], lift[row]).items():
+            names = " and ".join(_name(setup.model, geom) for geom in pair)
+            what = f"the plan makes legs collide: {names} overlap by "
+            raise _refusal(f"{what}{1e3 * depth:.1f} mm", setup, rows[row])
 
 
 class Collisions:
     """Which parts of a robot overlap at given angles that do not where it stands."""
 
     def __init__(self, setup: Setup) -> None:
-        self._robot, self._model = setup.robot, setup.model
-        self._data = mujoco.MjData(setup.model)
-        joints = list(setup.robot.leg_angles(*np.zeros((2, len(setup.robot.groups)))))
-        self._places = [setup.model.joint(joint).qposadr[0] for joint in joints]
-        self._standing = np.array([setup.robot.standing_angle(j) for j in joints])
-        self._data.qpos[:] = setup.model.key("start").qpos
-        root = setup.model.body(setup.robot.root).id
-        self._own = setup.model.body_rootid[setup.model.geom_bodyid] == root
-        self._always = frozenset[tuple[int, int]]()
-        self._always = frozenset(self(*np.zeros((2, len(setup.robot.groups)))))
+        robot, model = setup.robot, setup.model
+        self._robot, self._model, self._data = robot, model, mujoco.MjData(model)
+        self._data.qpos[:] = model.key("start").qpos
+        self._rest = np.zeros((2, len(robot.groups)))
+        joints = list(robot.leg_angles(*self._rest))
+        self._places = [model.joint(joint).qposadr[0] for joint in joints]
+        self._standing = np.array([robot.standing_angle(joint) for joint in joints])
+        self._own = model.body_rootid[model.geom_bodyid] == model.body(robot.root).id
 
     def __call__(self, swing: Array, lift: Array) -> Pairs:
         """Overlapping geoms at angles of the groups, shape (G,) each [rad]."""
+        found = self._overlaps(swing, lift)
+        return {pair: d for pair, d in found.items() if pair not in self._always}
+
+    @cached_property
+    def _always(self) -> Pairs:
+        return self._overlaps(*self._rest)
+
+    def _overlaps(self, swing: Array, lift: Array) -> Pairs:
         tick()
         model, data = self._model, self._data
         angles = list(self._robot.leg_angles(swing, lift).values())
@@ -114,7 +114,7 @@ class Collisions:
         for k in np.flatnonzero(own & (contact.dist < 0) & (contact.exclude == 0)):
             one, other = sorted(contact.geom[k].tolist())
             found[one, other] = -float(contact.dist[k])
-        return {pair: d for pair, d in found.items() if pair not in self._always}
+        return found
 
 
 def _refusal(what: str, setup: Setup, row: int) -> SimulationError:

@@ -5,7 +5,8 @@ What it lacks for walking is put into words. A robot that cannot even stand is r
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import replace
 from math import isfinite
 from typing import Any
 
@@ -27,41 +28,22 @@ from sim.preparation.reach import immobile, lift_angle
 from sim.preparation.setup import Setup
 from sim.scenarios.scenario import Scenario
 from sim.world.changes import changes, overlaps
-from sim.world.model import build, load as load_world
+from sim.world.model import World, build, load as load_world
 from sim.world.servos import joints_without_servo
 
 Facts = dict[str, Any]
 SHOWN_MOVE = 1e-3  # [m]; less of a move at the start is not shown
 
 
-@dataclass(frozen=True, eq=False)
-class Inspected:
-    """A robot that stands, with what can be said of it."""
-
-    robot: Robot
-    kinematics: Kinematics
-    lift_angle: float  # that raises its feet [rad]
-    let_down: float  # how far it had to be lowered onto the floor [m]
-    equations: Equations | None  # None if its gait gives it none
-    mobility: Mobility | None  # what its swings can do; None without equations
-    changed: tuple[str, ...] = ()  # in its file before it walks, a sentence each
-    lacks: tuple[str, ...] = ()  # a sentence each, with what would change that
-
-    @classmethod
-    def of(cls, setup: Setup) -> Inspected:
-        """A robot that is set up to walk."""
-        return cls(
-            robot=setup.robot,
-            kinematics=setup.kinematics,
-            lift_angle=setup.limits.lift_angle,
-            let_down=setup.world.let_down,
-            equations=setup.equations,
-            mobility=mobility_of(setup.robot, setup.equations),
-            changed=changes(setup.robot, setup.scenario),
-        )
+def facts_of(setup: Setup) -> Facts:
+    """Mass, legs, groups, fields and margins of a robot that is set up to walk."""
+    robot, described = setup.robot, setup.equations
+    found, changed = mobility_of(robot, described), changes(robot, setup.scenario)
+    stands = setup.kinematics, setup.limits.lift_angle, setup.world
+    return _facts(*stands, described, found, changed)
 
 
-def inspected(scenario: Scenario, robot: Robot) -> Inspected:
+def inspected(scenario: Scenario, robot: Robot) -> Facts:
     """Look at a robot; what keeps it from walking is listed, not refused.
 
     A robot that does not stand, or cannot do what a setting asks for, is refused.
@@ -80,16 +62,7 @@ def inspected(scenario: Scenario, robot: Robot) -> Inspected:
     if described is not None:
         found = mobility_of(robot, described)
         lacks += immobile(robot, found)
-    return Inspected(
-        robot=robot,
-        kinematics=kinematics,
-        lift_angle=angle,
-        let_down=world.let_down,
-        equations=described,
-        mobility=found,
-        changed=changed,
-        lacks=tuple(lacks),
-    )
+    return _facts(kinematics, angle, world, described, found, changed, lacks)
 
 
 def _with_servos(robot: Robot) -> tuple[Robot, list[str]]:
@@ -107,12 +80,18 @@ def _with_servos(robot: Robot) -> tuple[Robot, list[str]]:
     return replace(robot, card=replace(robot.card, servo=servo)), [missing]
 
 
-def facts(subject: Inspected) -> Facts:
-    """Mass, legs, groups, fields and margins of a robot that stands."""
-    robot, kinematics = subject.robot, subject.kinematics
+def _facts(
+    kinematics: Kinematics,
+    lift: float,
+    world: World,
+    described: Equations | None,
+    found: Mobility | None,
+    changed: Sequence[str],
+    lacks: Sequence[str] = (),
+) -> Facts:
+    """A robot that stands; without equations it has neither fields nor strokes."""
+    robot, lifting = kinematics.robot, kinematics.lifting
     stance = kinematics.standing
-    lifting, lift = kinematics.lifting, subject.lift_angle
-    moved, can = subject.equations, subject.mobility
     return {
         "name": robot.name,
         "description": robot.card.description,
@@ -142,19 +121,19 @@ def facts(subject: Inspected) -> Facts:
             for name, group in robot.card.groups.items()
         },
         "gait": list(robot.card.gait),
-        "let_down": subject.let_down,
+        "let_down": world.let_down,
         "fields": {
             name: [float(rate) for rate in twist]
-            for name, twist in ({} if moved is None else moved.twists).items()
+            for name, twist in (described.twists if described else {}).items()
             if any(twist)
         },
         "strokes": {
             cost.direction: cost.strokes
-            for cost in (() if can is None else can.costs)
+            for cost in (found.costs if found else ())
             if isfinite(cost.strokes)
         },
-        "changed": list(subject.changed),
-        "lacks": list(subject.lacks),
+        "changed": list(changed),
+        "lacks": list(lacks),
         "margins": {n: margin_at_rest(kinematics, n) for n in robot.card.strata},
     }
 
@@ -163,17 +142,16 @@ def describe(robot: Facts) -> str:
     """The facts in lines for a terminal."""
     lift = robot["lift"]
     margins = (f"S{name} {1e3 * m:.1f} mm" for name, m in robot["margins"].items())
-    lowered, down = [], robot["let_down"]
-    if abs(down) >= SHOWN_MOVE:  # what was done about one above or in the floor
-        how = "let down onto" if down > 0 else "lifted out of"
-        lowered = [f"{'start':12}{how} the floor by {1e3 * abs(down):.1f} mm"]
+    down = robot["let_down"]
+    how = "let down onto" if down > 0 else "lifted out of"
+    moved = f"{'start':12}{how} the floor by {1e3 * abs(down):.1f} mm"
     lines = [
         f"{robot['name']}: {robot['description']}".rstrip(": "),
         f"{'weight':12}{robot['mass']:.3f} kg, {1e3 * robot['weight_height']:.1f} mm "
         "above the floor",
         f"{'lift':12}{lift['angle']:.4g} rad raise the feet by "
         f"{1e3 * lift['height']:.1f} mm; at most {1e3 * lift['highest']:.1f} mm",
-        *lowered,
+        *([moved] if abs(down) >= SHOWN_MOVE else []),
         f"{'gait':12}{' '.join(robot['gait'])}, the groups of legs that stand in turn",
         f"{'margins':12}{', '.join(margins)}, of the centre of mass inside these feet",
         "",
@@ -205,10 +183,8 @@ def describe(robot: Facts) -> str:
 
 def _leg_line(number: str, leg: Facts) -> str:
     x, y = leg["foot"]
-    swing, lift = (
-        f"{leg[kind]['joint']} {_range(leg[kind]['range'])}"
-        for kind in ("swing", "lift")
-    )
+    pair = leg["swing"], leg["lift"]
+    swing, lift = (f"{of['joint']} {_range(of['range'])}" for of in pair)
     held = "".join(f", {joint} held at {a:g}" for joint, a in leg["held"].items())
     return f"{number:6}{f'{x:7.4f} {y:8.4f}':22}{swing:34}{lift}{held}"
 

@@ -1,10 +1,12 @@
-"""The flows of a plan as phases of a schedule, joined where the field is the same.
+"""The flows of a plan as phases of a schedule, and walks that would take too long.
 
-Recoveries take place during strokes where the scenario asks for it.
+Flows are joined where the field is the same, and recoveries take place during strokes
+where the scenario asks for it.
 """
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Sequence
 from itertools import groupby
 
@@ -12,8 +14,15 @@ import numpy as np
 
 from planner import Flow
 from planner.systems import gait_steps
+from sim.errors import UsageError
 from sim.motion.schedule import LegState, Schedule, Scheduler
 from sim.preparation.setup import Setup
+from sim.scenarios.scenario import Scenario
+from sim.scenarios.settings import SETTINGS
+
+MOST_STEPS = 1_000_000_000  # of physics: eight hours at 35,000 a second
+MOST_TRAVEL = 250_000  # [rad] in so many steps, with the settings of the shipped walks
+COPIES = 2  # of each row during evaluation and writing; 1.8 were measured
 
 Move = tuple[int, Flow, tuple[float, ...]]
 
@@ -26,18 +35,16 @@ def schedule_flows(
     Where the scenario has a gait, its strata are entered in turn, also those on which
     nothing flows.
     """
-    moves = [
-        (number, flow, setup.equations.swings[flow.field])
-        for number, flow in joined(segments, scheduler.segment)
-    ]
+    swings, flows = setup.equations.swings, joined(segments, scheduler.segment)
+    moves = [(number, flow, swings[flow.field]) for number, flow in flows]
     if setup.scenario.overlap_recovery:
         moves = overlapped(moves, setup.robot.groups)
     bottom, gait = setup.robot.card.bottom, setup.scenario.gait
-    flows = [flow for _, flow, _ in moves]
-    entered: Sequence[tuple[str, ...]] = [*((f.stratum,) for f in flows), (bottom,)]
+    strokes = [flow for _, flow, _ in moves]
+    entered: Sequence[tuple[str, ...]] = [*((f.stratum,) for f in strokes), (bottom,)]
     if gait:
         system = setup.equations.system
-        entered = gait_steps(system, flows, gait, (bottom, bottom))
+        entered = gait_steps(system, strokes, gait, (bottom, bottom))
     *before, after = entered
     for strata, (number, flow, direction) in zip(before, moves, strict=True):
         scheduler.segment = number
@@ -67,10 +74,8 @@ def overlapped(moves: Sequence[Move], groups: Sequence[str]) -> list[Move]:
     are longer: each stroke takes along a share of the recoveries that is its own share
     of the strokes. Nothing changes but the time, as a leg in the air moves no body.
     """
-    done: list[Move] = []
-    for _, stay in groupby(moves, key=lambda move: move[1].stratum):
-        done += _shared(list(stay), groups)
-    return done
+    stays = groupby(moves, key=lambda move: move[1].stratum)
+    return [move for _, stay in stays for move in _shared(list(stay), groups)]
 
 
 def _shared(stay: list[Move], groups: Sequence[str]) -> list[Move]:
@@ -112,3 +117,61 @@ def joined(
             if flow.duration:
                 done.append((begun, flow))
     return done
+
+
+def check_effort(setup: Setup, steps: int) -> None:
+    """Refuse a simulation that takes too many steps or too much memory."""
+    scenario = setup.scenario
+    rows = steps // scenario.sample_every
+    needed, there = rows * _row_size(setup), _memory()
+    if steps <= MOST_STEPS and needed <= there:
+        return
+    remedy = _slowest(scenario)
+    if steps <= MOST_STEPS:
+        remedy = f"raise sample_every above {steps * _row_size(setup) // there}"
+    raise UsageError(
+        f"{steps:,} physics steps with a row every {scenario.sample_every} would take "
+        f"{needed / 1e9:,.1f} GB of memory, {there / 1e9:,.1f} GB may be used, and at "
+        f"most {MOST_STEPS:,} steps are made",
+        f"scenario {scenario.name!r}",
+        remedy,
+    )
+
+
+def check_distance(setup: Setup) -> None:
+    """Refuse a path that no walk could follow to its end, before planning it."""
+    scenario, equations = setup.scenario, setup.equations
+    farthest = max(map(equations.stride, equations.swings), default=0.0)  # [m/rad]
+    travel = scenario.path.length / farthest if farthest else 0.0
+    if travel <= MOST_TRAVEL:
+        return
+    raise UsageError(
+        f"a path of {scenario.path.length:g} m takes {travel:.2g} rad of strokes or "
+        f"more, and at most {MOST_TRAVEL:,} are planned",
+        f"scenario {scenario.name!r}",
+        "bring the goal nearer",
+    )
+
+
+def _row_size(setup: Setup) -> int:
+    """Bytes that one row of the trajectory takes until it is written."""
+    feet, model = len(setup.robot.legs), setup.model
+    achieved, predicted = model.nq + model.nv + 5 * feet + 8, 3 * (2 * feet + 4)
+    return int(8 * COPIES * (achieved + predicted))
+
+
+def _memory() -> int:
+    """Half of the machine's memory [bytes]; the rest is left to other programs."""
+    return int(os.sysconf("SC_PHYS_PAGES")) * int(os.sysconf("SC_PAGE_SIZE")) // 2
+
+
+def _slowest(scenario: Scenario) -> str:
+    """The setting that lengthens the walk most, compared with its default."""
+    powers = {"timestep": 1, "swing_speed": 1, "swing_acceleration": 0.5, "hold": -1}
+    longer = {
+        name: (SETTINGS[name].default / getattr(scenario, name)) ** power
+        for name, power in powers.items()
+    }
+    name = max(longer, key=longer.__getitem__)
+    verb = "lower" if powers[name] < 0 else "raise"
+    return f"{verb} {name}, now {getattr(scenario, name):g}"

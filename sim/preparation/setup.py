@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
-from typing import Literal
 
 import mujoco
 import numpy as np
@@ -15,8 +14,7 @@ from models import Equations, Ground, Kinematics, Robot, equations, load
 from planner import Array, Execution, ExtendedSystem, Path as Curve, extend
 from planner.execution import Coordinates, StanceRule
 from sim.errors import UsageError
-from sim.feedback.filter import Feedback
-from sim.feedback.misses import Learnt, Misses
+from sim.feedback.filter import NONE_MISSED, Feedback, Learnt, Misses
 from sim.feedback.sensing import sensing_of
 from sim.logs.log import Log, read_log
 from sim.logs.playing import Motion, posed
@@ -25,7 +23,7 @@ from sim.motion.schedule import LegState, MotionLimits, Schedule
 from sim.physics.engine import STRETCH
 from sim.physics.standing import check_standing
 from sim.preparation.reach import explained, lift_angle, require_gait
-from sim.preparation.shared import Shared, built
+from sim.preparation.shared import PLAN, Cache, Shared, built, no_cache
 from sim.scenarios.scenario import Scenario, drawn
 from sim.scenarios.settings import IMPERFECTIONS
 from sim.world.model import World
@@ -33,6 +31,7 @@ from sim.world.servo_settings import ServoSettings, servo_settings
 from sim.world.servos import Channels
 
 GoalOffset = tuple[float, float, float]  # from the goal to the aim: x, y [m], yaw [rad]
+CACHED_WALKS = 2  # walks whose arrays are kept, a number for every step or moment
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,13 +72,28 @@ class Setup:
 
     def _as(self, scenario: Scenario) -> Setup:
         """The same robot in the world of a scenario with other imperfections."""
-        same = (
-            getattr(self.scenario, n) == getattr(scenario, n) for n in IMPERFECTIONS
-        )
-        if all(same):
+        own = self.scenario
+        if all(getattr(own, n) == getattr(scenario, n) for n in IMPERFECTIONS):
             return self
         world, model = built(self.robot, scenario)
         return replace(self, scenario=scenario, world=world, model=model)
+
+    @property
+    def is_shareable(self) -> bool:
+        """Whether the walk's plan follows from the ideal fields and the path alone."""
+        scenario = self.scenario
+        plain = scenario.steer == "ideal" and scenario.words == "printed"
+        free = not scenario.obstacles and scenario.min_margin is None
+        once = scenario.optimise == "none" and scenario.correct == 1
+        return plain and free and once and not self.servo.resolution
+
+    def walk_cache(self, shared: Shared | None) -> Cache:
+        """Caches what follows from the walk's commands alone, in any physics."""
+        scenario = self.scenario
+        if shared is None or scenario.replan or not self.is_shareable:
+            return no_cache
+        key = scenario.key(*PLAN), self.limits, scenario.sample_every
+        return lambda kind, make: shared.cached(kind, key, make, CACHED_WALKS)
 
     @property
     def learns(self) -> bool:
@@ -90,14 +104,15 @@ class Setup:
 
     def feedback(self) -> Feedback:
         """What says, as a walk is planned piece by piece, where the robot is."""
+        sensing, radius = sensing_of(self.scenario), self.kinematics.reach
+        if not self.learns:
+            return Feedback(sensing, radius, NONE_MISSED)
         known = self.scenario.learnt or self.robot.card.learnt
         try:
-            learnt = Learnt.of(known) if known and self.learns else None
+            learnt = Learnt.of(known) if known else None
         except ValueError as error:
             raise UsageError.at("learnt", error) from error
-        misses = Misses() if self.learns else Misses.none()
-        radius = self.kinematics.reach
-        return Feedback(sensing_of(self.scenario), radius, misses, learnt)
+        return Feedback(sensing, radius, Misses(), learnt)
 
     @property
     def stance(self) -> StanceRule:
@@ -119,9 +134,9 @@ class Setup:
     @property
     def raised(self) -> dict[str, Array]:
         """How far each group is raised on each of the gait's strata, (G,) [rad]."""
+        groups, angle = self.robot.groups, self.limits.lift_angle
         return {
-            stratum: np.array([g not in stratum for g in self.robot.groups])
-            * self.limits.lift_angle
+            stratum: np.array([g not in stratum for g in groups]) * angle
             for stratum in self.robot.card.gait
         }
 
@@ -169,10 +184,6 @@ class Setup:
         scenario = replace(self.scenario, path=path, segments=len(cuts) - 1)
         return replace(self, scenario=scenario)
 
-    def aimed(self, goal_offset: GoalOffset) -> Setup:
-        """The same setup, aimed beside the goal."""
-        return replace(self, goal_offset=goal_offset)
-
     def nominal(self) -> Curve:
         """The nominal path as configurations: legs at angle 0, feet on the ground.
 
@@ -187,9 +198,8 @@ class Setup:
     def resolved(self, scenario: Scenario, robot: str) -> Scenario:
         """A scenario with the settings that it left to its robot; it walks the same.
 
-        It is the one before its path was divided. Some settings remain open: the height
-        of a lift, which the card gives as an angle, servos that differ from joint to
-        joint, and bounds that are not asked for.
+        It is the one before its path was divided. What the card gives as an angle, or a
+        joint at a time, remains open.
         """
         stiffness, damping = self.world.servo or (None, None)
         given = scenario.servo_stiffness, scenario.servo_damping
@@ -230,27 +240,22 @@ def prepare(
     """
     shared = shared or Shared()
     if robot is None or robot.geometry != (scenario.geometry or {}):
-        key = (scenario.robot, str(scenario.geometry))
+        name = scenario.robot, str(scenario.geometry)
         read = partial(load, scenario.robot, geometry=scenario.geometry)
-        robot = shared.cached("robot", key, read)
+        robot = shared.cached("robot", name, read)
     scenario = drawn(scenario, robot)
-    described, extended, kinematics = shared.cached(
-        "mathematics",
-        scenario.key("equations"),
-        partial(_mathematics, robot, scenario.fields, scenario.degree),
-    )
-    if scenario.motion is None:
-        require_gait(scenario, robot, described)
-    else:
-        if log is None:
-            log = read_log(Path(scenario.motion), robot.card.joints, robot.legs)
-        robot = posed(robot, log)
-        kinematics = Kinematics(robot)
-    servo = servo_settings(scenario, robot.card)
+    key, made = scenario.key("equations"), partial(_mathematics, robot, scenario)
+    described, extended, kinematics = shared.cached("mathematics", key, made)
+    if log is None and scenario.motion is not None:
+        log = read_log(Path(scenario.motion), robot.card.joints, robot.legs)
     if log is None:
+        require_gait(scenario, robot, described)
+        servo = servo_settings(scenario, robot.card)
         world, model = shared.world(scenario, robot)
         lift = lift_angle(kinematics, scenario.lift_height)
     else:  # which begins in a posture of its own
+        robot = posed(robot, log)
+        kinematics, servo = Kinematics(robot), servo_settings(scenario, robot.card)
         world, model = built(robot, scenario)
         lift = robot.card.lift_angle
     limits = MotionLimits(
@@ -274,21 +279,20 @@ def prepare(
         limits=limits,
         motion=None if log is None else Motion(log, robot, limits),
     )
-    if setup.motion is not None:
-        return setup
-    level = setup.as_planned if scenario.bumps else setup
-    check_standing(kinematics, level.model, lift)
+    if setup.motion is None:
+        level = setup.as_planned if scenario.bumps else setup
+        check_standing(kinematics, level.model, lift)
     return setup
 
 
 def _mathematics(
-    robot: Robot, fields: Literal["lifted", "paper"], degree: int | None
+    robot: Robot, scenario: Scenario
 ) -> tuple[Equations, ExtendedSystem, Kinematics]:
     """Equations, extended system to a degree, and kinematics of a robot."""
-    described = equations(robot, fields)
+    described = equations(robot, scenario.fields)
     with explained(robot, described):
         try:
-            extended = extend(described.system, described.elements, degree)
+            extended = extend(described.system, described.elements, scenario.degree)
         except ValueError as error:
             raise UsageError.at("degree", error) from error
     return described, extended, Kinematics(robot)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Callable, Hashable
-from typing import Any, TypeVar
+from typing import Any, Protocol, TypeVar
 
 import mujoco
 
@@ -24,6 +24,18 @@ WORLD: tuple[Effect, ...] = ("equations", "motion", "world", "drive")
 PLAN: tuple[Effect, ...] = ("equations", "plan")
 """What it affects that matters to a stratified plan on the ideal fields."""
 CACHED = 32  # things of a kind
+
+
+class Cache(Protocol):
+    """Caches things by their kind."""
+
+    def __call__(self, kind: str, make: Callable[[], T]) -> T:
+        """A thing that was built before, or that is built now."""
+
+
+def no_cache(kind: str, make: Callable[[], T]) -> T:
+    """Build a thing and cache nothing."""
+    return make()
 
 
 class Shared:
@@ -48,13 +60,18 @@ class Shared:
     def world(self, scenario: Scenario, robot: Robot) -> tuple[World, mujoco.MjModel]:
         """Robot and world of a scenario, and the model compiled from them.
 
-        Scenarios that differ in nothing but the way share a model; bumps lie along it.
+        Scenarios that differ in nothing but the way share a model.
         """
-        if scenario.bumps:
-            return built(robot, scenario)
-        return self.cached(
-            "world", scenario.key(*WORLD), lambda: built(robot, scenario)
-        )
+        cache = world_cache(scenario, self)
+        return cache("world", lambda: built(robot, scenario))
+
+
+def world_cache(scenario: Scenario, shared: Shared | None) -> Cache:
+    """Caches what is measured in a world, whatever is walked in it."""
+    if shared is None or scenario.bumps:  # which lie along the way
+        return no_cache
+    key = scenario.key(*WORLD)
+    return lambda kind, make: shared.cached(kind, key, make)
 
 
 def built(robot: Robot, scenario: Scenario) -> tuple[World, mujoco.MjModel]:

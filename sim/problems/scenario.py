@@ -14,23 +14,21 @@ from planner import Array, Plan, PlannerError, play
 from planner.optimisation import FLOW_SAMPLES, Optimiser
 from planner.planning import recut
 from sim.motion.poses import PathDeviation, path_deviation, wrap
-from sim.optimisation.formulation import criterion_of, task_of
-from sim.optimisation.judging import Judge
+from sim.optimisation.judging import Judge, criterion_of, task_of
 from sim.optimisation.lower_bound import least_time
 from sim.planning.aiming import plan_along
 from sim.planning.bounds import within_bounds
 from sim.planning.open_loop import plan_open_loop, plan_replanned
 from sim.planning.routes import routed
-from sim.planning.sharing import is_shareable, walk_cache
 from sim.planning.soundness import require_sound
-from sim.preparation.effort import check_distance
 from sim.preparation.reach import explained, immobile, require_reach
+from sim.preparation.scheduling import check_distance
 from sim.preparation.setup import GoalOffset, Setup
 from sim.preparation.shared import PLAN, Shared
 from sim.problems.problem import Offer, Problem, Solution
 from sim.progress import Progress, silent
 from sim.scenarios.scenario import Scenario
-from sim.walking.ahead import Ahead
+from sim.walking.finished import Ahead
 
 WIDER = 1.5  # times the joint range
 AIMS = 4  # plans that are aimed; each misses a tenth of what the one before does
@@ -87,7 +85,7 @@ class ScenarioProblem(Problem):
         robot, described = setup.robot, setup.equations
         reach = partial(require_reach, robot, described, setup.nominal())
         with explained(robot, described):
-            walk_cache(setup, shared)("reach", reach)
+            setup.walk_cache(shared)("reach", reach)
             setup = routed(setup)
             divided, planned = within_bounds(setup)
             problem = cls(divided, progress, shared, setup.scenario)
@@ -100,7 +98,7 @@ class ScenarioProblem(Problem):
         if not any(goal_offset):
             return self.centre
         centre = self.centre
-        setup = centre.setup.aimed(goal_offset)
+        setup = replace(centre.setup, goal_offset=goal_offset)
         return ScenarioProblem(setup, self.progress, self.shared, self.scenario, centre)
 
     @cached_property
@@ -108,17 +106,14 @@ class ScenarioProblem(Problem):
         """The plan of the whole path; replanned from the kinematics if asked for."""
         if self.replan:
             return plan_replanned(self.setup)
-        if self.shared is not None and is_shareable(self.setup):
-            key, make = (
-                self.setup.scenario.key(*PLAN),
-                partial(plan_open_loop, self.setup),
-            )
-            return self.shared.cached("plan", key, make)
-        return plan_open_loop(self.setup)
+        make = partial(plan_open_loop, self.setup)
+        if self.shared is None or not self.setup.is_shareable:
+            return make()
+        return self.shared.cached("plan", self.setup.scenario.key(*PLAN), make)
 
     def check(self, plan: Plan) -> None:
         """Refuse a plan that tips the robot over, or makes its legs collide."""
-        cache = walk_cache(self.setup, self.shared)
+        cache = self.setup.walk_cache(self.shared)
         cache("sound", partial(require_sound, self.setup, plan))
 
     def solve(self) -> Solution:

@@ -81,7 +81,7 @@ def sensitivities(
         batches.setdefault(leans, []).append(number)
     for batch in batches.values() or ([],):
         robots = _side_by_side([phases.robots, *(changes[i].robot for i in batch)])
-        walks = Phases(phases.mechanics, robots, phases.pace).follow_all(course)
+        walks = Phases(phases.mechanics, robots).follow_all(course)
         unchanged = next(walks).at(times)
         for change, walk in zip(batch, walks, strict=True):
             changed = walk.at(times)

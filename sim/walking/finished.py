@@ -1,4 +1,4 @@
-"""A finished walk: its schedule, its recording and its start."""
+"""A walk as it has become, and where a plan is predicted to end before it is walked."""
 
 from __future__ import annotations
 
@@ -6,21 +6,24 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
-from planner import Array
+import numpy as np
+
+from planner import Array, Plan
+from sim.compliant.prediction import Leg, course_of, phases_of
 from sim.drive.drive import Drive
 from sim.drive.feed_forward import FeedForward
+from sim.drive.rehearsal import rehearsal_of
 from sim.feedback.stops import Followed
-from sim.motion.schedule import Phase, Schedule
+from sim.motion.schedule import Phase, Scheduler
 from sim.physics.recording import Recording
+from sim.preparation.scheduling import schedule_flows
 from sim.preparation.setup import Setup
 
 
-@dataclass(frozen=True)
-class Stretch:
-    """A part of the walk with one schedule, and the pose where it began."""
+@dataclass(frozen=True, eq=False)
+class Stretch(Leg):
+    """A part of the walk, which begins at a pose in the start frame."""
 
-    schedule: Schedule
-    pose: Array  # in the start frame, (3,)
     torques: FeedForward | None = None  # that the commands make up for
     borne: FeedForward | None = None  # of a trial, where bands are allowed for
 
@@ -86,3 +89,42 @@ def laid_commands(
         schedule = stretch.schedule
         done = min(schedule.stop, steps) - schedule.start
         yield from drive.commands(schedule, stretch.torques, done, stretch.borne)
+
+
+def laid_out(setup: Setup, planned: Plan) -> list[Stretch]:
+    """The stretches that `Walker` will carry out of an open-loop plan."""
+    standing = Scheduler(setup.limits, setup.at_rest)
+    standing.hold(setup.limits.hold)
+    first = standing.finish()
+    walking = Scheduler(setup.limits, first.end, first.stop)
+    schedule_flows(setup, walking, list(planned.segments()))
+    walking.hold(setup.limits.hold)
+    drive, rehearsal = Drive(setup), rehearsal_of(setup)
+    stretches = []
+    for schedule in (first, walking.finish()):
+        torques = None
+        if rehearsal is not None and drive.feeds_forward:
+            torques = rehearsal.torques(schedule)
+        stretches.append(Stretch(schedule, np.zeros(3), torques))
+    return stretches
+
+
+class Ahead:
+    """Sees ahead where plans of one robot in one world end.
+
+    Phases that plans have in common are computed once.
+    """
+
+    def __init__(self, setup: Setup) -> None:
+        self._told = setup.as_told
+        self._phases = phases_of(self._told)
+
+    def end(self, setup: Setup, planned: Plan) -> Array:
+        """Pose at the end of a plan in the start frame, (3,), yaw not wrapped.
+
+        Raises MeasurementError where the robot tips over, or no equilibrium is found.
+        """
+        stretches = laid_out(setup, planned)
+        rows = laid_commands(self._told, stretches, stretches[-1].schedule.stop)
+        course = course_of(self._told, self._phases, stretches, rows)
+        return self._phases.follow(course).pose[-1]

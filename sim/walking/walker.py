@@ -19,10 +19,9 @@ from sim.motion.schedule import Schedule, Scheduler
 from sim.physics.engine import Engine, State
 from sim.physics.measure import Sensors
 from sim.physics.recording import Recorder
-from sim.planning.sharing import Cache, no_cache
-from sim.preparation.effort import check_effort
-from sim.preparation.scheduling import schedule_flows
+from sim.preparation.scheduling import check_effort, schedule_flows
 from sim.preparation.setup import Setup
+from sim.preparation.shared import Cache, no_cache
 from sim.progress import Progress, silent
 from sim.walking.finished import Stretch, Walk, laid_commands
 

@@ -11,7 +11,7 @@ from models.library import shipped_robots
 from models.systems.catalogue import SYSTEMS
 from sim.cli import main
 from sim.commands.parsing import COMMANDS, parser
-from sim.evaluation.comparison import HEADER
+from sim.evaluation.quantities import HEADER
 from sim.scenarios.file import load_scenario, shipped_scenarios
 from sim.scenarios.predictions import LABELS
 from tests.pages import PAGES, README, ROOT, blocks, commands, name_of

@@ -12,7 +12,7 @@ from models.description.robot import FOLDER
 from models.errors import MeasurementError
 from models.motion.twists import IdentifiedTwists, MeasuredField
 from sim.commands.robots import fields
-from sim.evaluation.comparison import describe
+from sim.evaluation.quantities import describe
 from sim.experiments.identification import confirmed, identify, measure
 from sim.experiments.predictions import twist_model
 from sim.folder import RunFolder

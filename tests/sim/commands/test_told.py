@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sim.evaluation.comparison import describe
+from sim.evaluation.quantities import describe
 from tests.commands import refusal
 from tests.walks import simulated
 

@@ -35,7 +35,7 @@ def test_a_composed_walk_is_the_one_that_is_walked_through(walk):
     """Within 0.01 mm and 0.1 mrad, measured, where pieces have been joined."""
     phases, way, motion = walk
     one, end = np.zeros(1), way.spans[30, 1:] * 0.001  # of some 12 s
-    track, _ = march(phases.mechanics, phases.robots, way.commands, one, end, one)
+    track, *_ = march(phases.mechanics, phases.robots, way.commands, one, end, one)
     found = motion.at(end)
     assert np.hypot(*(track.place[-1] - found.pose[0])[:2]) < 1e-5
     R = track.turned[-1]

@@ -7,8 +7,7 @@ import sys
 import pytest
 
 from sim.evaluation import comparison
-from sim.evaluation.comparison import describe as described
-from sim.evaluation.quantities import Quantity
+from sim.evaluation.quantities import Quantity, describe as described
 from sim.evaluation.summary import Summary
 from sim.progress import bar, silent
 

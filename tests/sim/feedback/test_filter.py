@@ -5,8 +5,7 @@ from math import radians
 import numpy as np
 import pytest
 
-from sim.feedback.filter import STATES, Feedback, bound
-from sim.feedback.misses import Learnt, Misses
+from sim.feedback.filter import STATES, Feedback, Learnt, Misses, bound
 from sim.feedback.sensing import Sensing, Sensor
 from sim.motion.poses import compose, wrap
 

@@ -31,7 +31,7 @@ def test_stops_are_read_as_they_were_written_with_gaps_where_nothing_was_told():
     again = read(written(stops))
     assert any(np.isnan(stop.seen[0]) for stop in stops)
     for one, other in zip(stops, again, strict=True):
-        for name in one.__dataclass_fields__:
+        for name in one._fields:
             assert np.array_equal(
                 getattr(one, name), getattr(other, name), equal_nan=True
             )

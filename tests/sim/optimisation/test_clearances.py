@@ -4,14 +4,13 @@ import numpy as np
 import pytest
 
 from sim.obstacles.clearance import surroundings
-from sim.optimisation.clearances import SMOOTHED, clearances, near_pieces
 from sim.optimisation.judging import Judge
-from sim.optimisation.outlines import BODY, moving_parts
 from sim.preparation.setup import prepare
 from sim.problems.scenario import ScenarioProblem
 from sim.scenarios.file import load_scenario
 
 ca = pytest.importorskip("casadi")
+shapes = pytest.importorskip("sim.optimisation.clearances")
 
 WALL = {"kind": "wall", "points": [[-0.4, 0.23], [0.4, 0.23]]}
 BESIDE = {
@@ -38,7 +37,7 @@ def stage_on(stratum):
 def test_outside_of_obstacles_they_are_exact_but_for_the_smoothing(passage, stratum):
     state = ca.SX.sym("state", 5)
     entries = [state[i] for i in range(5)]
-    rows = clearances(passage, 0.0, 0.02)(stage_on(stratum), entries)
+    rows = shapes.clearances(passage, 0.0, 0.02)(stage_on(stratum), entries)
     found = ca.Function("least", [state], [ca.mmin(ca.vertcat(*rows))])
     rng, around = np.random.default_rng(0), surroundings(passage)
     along = passage.scenario.path.curve.at(rng.uniform(size=60))
@@ -52,20 +51,22 @@ def test_outside_of_obstacles_they_are_exact_but_for_the_smoothing(passage, stra
     least = np.array([float(found(x)) for x in np.hstack([poses, swing])])
     over = exact - least
     assert over[free].min() > -1e-7  # [m], TINY's root apart
-    assert over[free].max() < SMOOTHED * np.log(30)  # of as many distances at most
+    assert over[free].max() < shapes.SMOOTHED * np.log(
+        30
+    )  # of as many distances at most
     assert least[~free].max() < 0.0
 
 
 def test_only_sides_and_corners_that_are_in_reach_are_looked_at(passage):
-    near = list(near_pieces(passage, 0.02))
+    near = list(shapes.near_pieces(passage, 0.02))
     assert [len(piece.sides) for piece in near] == [1, 1, 2]
     assert [list(piece.corners) for piece in near[:2]] == [[], []]
     assert near[2].corners == [pytest.approx((0.14, 0.21))]
 
 
 def test_parts_of_the_body_do_not_swing(passage):
-    parts = moving_parts(passage, "1")
-    fixed = [np.abs(p.terms[1:]).max() < 1e-9 for p in parts if p.leg == BODY]
+    parts = shapes.moving_parts(passage, "1")
+    fixed = [np.abs(p.terms[1:]).max() < 1e-9 for p in parts if p.leg == shapes.BODY]
     assert fixed
     assert all(fixed)
 

@@ -6,8 +6,13 @@ import pytest
 from planner import Flow
 from sim.optimisation import lower_bound
 from sim.optimisation.judging import Judge
-from sim.optimisation.lower_bound import least_time, shortest_way, top_speed
-from sim.optimisation.visits import ANGLES, Curve
+from sim.optimisation.lower_bound import (
+    ANGLES,
+    Curve,
+    least_time,
+    shortest_way,
+    top_speed,
+)
 from sim.planning.open_loop import plan_open_loop
 from sim.preparation.setup import prepare
 from sim.scenarios.file import load_scenario
@@ -51,9 +56,9 @@ SPAN, STRIDE, LIFTS, PACE = 0.5, 0.04, 0.6, 2.0  # [rad], [m/rad], [s], [s/rad]
 def slide(sideways, recovery):
     """A group whose strokes move the body along a straight line, without turning."""
     angles = np.linspace(-SPAN, SPAN, ANGLES)
-    places = STRIDE * np.outer(angles, [np.cos(sideways), np.sin(sideways)])
+    places = STRIDE * angles * np.exp(1j * sideways)
     times = LIFTS + PACE * (angles + SPAN)
-    return Curve(0, angles, places, np.zeros_like(angles), 0.0, times, recovery)
+    return Curve(angles, places, np.zeros_like(angles), 0.0, times, recovery)
 
 
 def bound_of(curves, way, tolerance=0.0, overlapped=False):

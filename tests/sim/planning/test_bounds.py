@@ -13,8 +13,8 @@ from sim.errors import ExitCode, exit_code
 from sim.experiments.predictions import twist_model
 from sim.motion.prediction import Predictor
 from sim.obstacles.clearance import surroundings
-from sim.planning.bounds import _reach, within_bounds
-from sim.planning.forecast import foresee
+from sim.planning.bounds import _reach, foresee, within_bounds
+from sim.planning.open_loop import plan_open_loop
 from sim.preparation.setup import prepare
 from sim.scenarios import obstacles as shapes
 from sim.scenarios.body_path import line
@@ -28,10 +28,16 @@ def bounded(name="line", **changes):
     return within_bounds(prepare(load_scenario(name, changes)))[0]
 
 
+def foreseen(setup):
+    """The stretches of a walk, and their predicted motion."""
+    planned = None if setup.scenario.replan else plan_open_loop(setup)
+    return list(foresee(setup, planned))
+
+
 def margins(setup):
     """Margin of the predicted motion, at every `EVERY`th step and at every last one."""
     twists = twist_model(setup, setup.scenario.steer.replace("-", "_"))
-    for stage in foresee(setup):
+    for stage in foreseen(setup):
         schedule = stage.schedule
         rows = np.arange(0, schedule.stop - schedule.start, EVERY)
         ends = [phase.stop - 1 - schedule.start for phase in schedule.phases]
@@ -47,7 +53,7 @@ def engine_clearances(setup):
         i for i in range(model.ngeom) if model.geom(i).name.startswith("obstacle_")
     ]
     parts = [part.geom for part in around.outline.solids.parts]
-    for stage in foresee(setup):
+    for stage in foreseen(setup):
         schedule = stage.schedule
         rows = np.arange(0, schedule.stop - schedule.start, EVERY)
         for qpos in around.outline.configurations(
@@ -107,7 +113,7 @@ def test_a_margin_is_kept_all_along_the_predicted_motion(replan):
 def test_legs_out_of_range_are_brought_back_by_subdividing_too():
     setup = bounded(segments=3, min_margin=0.02)
     assert setup.scenario.segments > 3
-    for stage in foresee(setup):
+    for stage in foreseen(setup):
         swing, _ = stage.schedule.angles(stage.rows)
         assert np.abs(swing).max() <= 0.45 + 1e-9
 
@@ -121,7 +127,7 @@ def test_a_straight_walk_is_cut_hardly_finer_than_the_joint_range_asks(replan):
     )
     fewest = way / sweep
     assert fewest <= setup.scenario.segments <= 2 * np.ceil(fewest)
-    assert all(stage.fraction == 1 for stage in foresee(setup))
+    assert all(stage.fraction == 1 for stage in foreseen(setup))
 
 
 @pytest.mark.parametrize("span", [(-0.2, 0.45), (-0.45, 0.2)], ids=["back", "front"])
@@ -153,7 +159,7 @@ def test_each_end_of_a_range_is_told_apart(edited, scenario, span):
 
 
 def test_a_lift_is_decided_by_the_segment_that_left_the_legs_there():
-    first, second, *_ = foresee(prepare(load_scenario("line", {"replan": True})))
+    first, second, *_ = foreseen(prepare(load_scenario("line", {"replan": True})))
     kinds = [phase.kind for phase in second.schedule.phases]
     lifts = kinds.index("swing")
     assert lifts > 0
@@ -220,7 +226,7 @@ def test_a_foreseen_replanned_walk_starts_each_segment_where_the_last_one_ended(
     setup = prepare(
         load_scenario("diagonal", {"replan": True, "segments": 8, "path.goal": GOAL})
     )
-    stages = foresee(setup)
+    stages = foreseen(setup)
     for before, after in zip(stages[:-1], stages[1:], strict=True):
         last = np.array([before.schedule.stop - before.schedule.start - 1])
         ended = before.predictor(last).pose[0]

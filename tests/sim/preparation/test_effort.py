@@ -5,8 +5,8 @@ import pytest
 from sim.errors import UsageError
 from sim.folder import RunFolder
 from sim.planning.open_loop import plan_open_loop
-from sim.preparation import effort
-from sim.preparation.effort import MOST_STEPS, check_distance, check_effort
+from sim.preparation import scheduling
+from sim.preparation.scheduling import MOST_STEPS, check_distance, check_effort
 from sim.preparation.setup import prepare
 from sim.run_folder import run
 from sim.scenarios.body_path import line
@@ -50,7 +50,7 @@ def test_steps_are_counted_before_the_walk(scenario, replan):
 
 def test_rows_that_no_memory_holds_are_refused(scenario, monkeypatch):
     setup = prepare(scenario(sample_every=1))
-    monkeypatch.setattr(effort, "_memory", lambda: 10**9)
+    monkeypatch.setattr(scheduling, "_memory", lambda: 10**9)
     check_effort(setup, 100_000)
     with pytest.raises(UsageError, match="GB of memory") as refusal:
         check_effort(setup, 10_000_000)

@@ -6,7 +6,6 @@ from typing import Literal, get_args, get_origin
 import pytest
 
 from sim.planning.open_loop import plan_open_loop
-from sim.planning.sharing import is_shareable
 from sim.preparation.setup import prepare
 from sim.preparation.shared import PLAN, WORLD, Shared
 from sim.scenarios.body_path import line
@@ -83,7 +82,7 @@ def test_the_way_does_not_change_the_world(plain, world, hexapod, name):
 @pytest.mark.parametrize("name", unless(*PLAN))
 def test_the_physics_does_not_change_a_shareable_plan(plain, planned, hexapod, name):
     other = prepare(changed(plain, name), hexapod)
-    assert is_shareable(other)
+    assert other.is_shareable
     assert plan_open_loop(other).flows == planned
 
 
@@ -92,7 +91,7 @@ def test_plans_whose_strokes_end_on_counts_are_not_shared(
     plain, planned, hexapod, name
 ):
     other = prepare(changed(plain, name), hexapod)
-    assert not is_shareable(other)
+    assert not other.is_shareable
     assert plan_open_loop(other).flows != planned
 
 

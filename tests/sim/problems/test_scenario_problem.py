@@ -11,8 +11,7 @@ from sim.errors import UsageError
 from sim.motion.poses import path_deviation
 from sim.motion.prediction import inspections
 from sim.motion.stability import stability_margin
-from sim.optimisation.clearances import margins
-from sim.optimisation.judging import Judge
+from sim.optimisation.judging import Judge, margins
 from sim.planning.open_loop import plan_open_loop
 from sim.planning.soundness import require_sound
 from sim.preparation.setup import prepare

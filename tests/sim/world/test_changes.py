@@ -134,7 +134,7 @@ def test_soles_that_overlap_are_told(edited, scenario):
     robot = edited(FOOT, '<geom type="box" size="0.075 0.075 0.008"/>')
     assert any(
         "feet 'foot_1' and 'foot_3' overlap by 16.0 mm" in told
-        for told in inspected(scenario(), robot).lacks
+        for told in inspected(scenario(), robot)["lacks"]
     )
 
 

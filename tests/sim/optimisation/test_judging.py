@@ -3,8 +3,8 @@
 from dataclasses import replace
 
 from sim.experiments.predictions import twist_model
-from sim.optimisation import formulation
-from sim.optimisation.formulation import real_equations
+from sim.optimisation import judging
+from sim.optimisation.judging import real_equations
 from sim.preparation.setup import prepare
 
 
@@ -17,7 +17,7 @@ def test_settings_of_one_world_do_not_share_the_strokes_of_another_prediction(
         asked.append(prediction)
         return twist_model(setup, "quasi_static")  # identifying takes seconds
 
-    monkeypatch.setattr(formulation, "twist_model", recorded)
+    monkeypatch.setattr(judging, "twist_model", recorded)
     setup = prepare(scenario(steer="quasi-static"), hexapod)
     other = replace(setup, scenario=scenario(steer="identified"))
     assert setup == other
