@@ -6,10 +6,12 @@ from .adoption.source import (
     Source as Source,
     source_of as source_of,
 )
-from .contact.ground import Ground as Ground
 from .contact.kinematics import Kinematics as Kinematics
-from .contact.loads import StaticStability as StaticStability
-from .contact.paper_stance import PaperStance as PaperStance
+from .contact.loads import (
+    PaperStance as PaperStance,
+    StaticStability as StaticStability,
+)
+from .contact.sliding import Ground as Ground
 from .description.card import Card as Card
 from .description.makes import SERVO_KINDS as SERVO_KINDS
 from .description.robot import Robot as Robot
@@ -27,13 +29,11 @@ from .library import (
     load as load,
     shipped_robots as shipped_robots,
 )
-from .motion.mobility import (
-    Mobility as Mobility,
-    mobility_of as mobility_of,
-)
 from .motion.robot_equations import (
     Equations as Equations,
+    Mobility as Mobility,
     equations as equations,
+    mobility_of as mobility_of,
 )
 from .motion.twists import (
     IdealTwists as IdealTwists,
@@ -46,5 +46,5 @@ from .systems.catalogue import (
     shipped_system as shipped_system,
 )
 from .systems.file import load_system as load_system
-from .systems.hexapods import paper_hexapod as paper_hexapod
+from .systems.legged import paper_hexapod as paper_hexapod
 from .systems.problem import Problem as Problem

@@ -32,7 +32,7 @@ eq. (12)   six flows     rollout                              planning/rollouts
 eq. (13)   [g_11, g_12]  require_decoupled                    extension/fields_on_bottom
 eq. (14)   flows on S_B  on_bottom, tangent_field             extension/fields_on_bottom
 eq. (15)   Def. 3        ExtendedSystem, extend               extension/extended
-(16)-(19)  the hexapod   models.paper_hexapod                 models/systems/hexapods
+(16)-(19)  the hexapod   models.paper_hexapod                 models/systems/legged
 eq. (20)   u_1 o u_2     word                                 lie/input_words
 Sec. 5.2   algorithm     plan, Plan                           planning/algorithm
 Sec. 5.2   regrouping    regroup                              systems/grouping

@@ -44,7 +44,7 @@ LOADING = 4.0  # [s] on the processor that the real command takes to begin
 KINDS = OWN_KINDS | FOREIGN
 LOADED = (  # before processes are forked
     *("sim.commands.systems", "sim.figures.mechanism", "sim.reports.page"),
-    *("sim.sweeps.sweeping", "sim.studies.maps", "sim.export.played"),
+    *("sim.sweeps.sweeping", "sim.studies.maps", "sim.export.source"),
 )
 
 
@@ -69,7 +69,7 @@ def answer(words: list[str], folder: str | Path, bounds: Bounds = OWN) -> str | 
 
 def _tried(path: Path, limits: object) -> list[str]:
     """The files that a model opens, compiled in this process."""
-    report = import_module("models.description.trial").report(path)
+    report = import_module("models.description.inspection").report(path)
     if "files" not in report:
         raise ModelError(str(report.get("wrong", "too large")))
     return list(report["files"])

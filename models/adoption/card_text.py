@@ -10,8 +10,7 @@ import numpy as np
 
 from models.adoption.anatomy import Limb, Pose
 from models.adoption.crawl import Crawl
-from models.adoption.pivots import LEAST_LOAD, Stand
-from models.adoption.ranges import Reach, Swings
+from models.adoption.groups import LEAST_LOAD, Reach, Stand, Swings
 from models.description.card import Servo
 from models.description.table import toml_key, toml_text
 from planner import Array

@@ -15,7 +15,7 @@ from itertools import product
 import numpy as np
 
 from models.adoption.anatomy import Limb, Pose
-from models.adoption.pivots import LEAST_LOAD, MOST_SWING
+from models.adoption.groups import LEAST_LOAD, MOST_SWING
 from models.contact.dissipation import least_dissipation_twist
 from models.contact.loads import least_load, static_loads
 from models.errors import ModelError

@@ -17,8 +17,7 @@ from models.adoption.card_text import (
     rowing,
 )
 from models.adoption.crawl import Crawl, find_crawl
-from models.adoption.pivots import Stand, posed, two_groups
-from models.adoption.ranges import free_reach
+from models.adoption.groups import Stand, free_reach, posed, two_groups
 from models.adoption.source import Source
 from models.adoption.standing import (
     drafted_servo,
@@ -32,8 +31,7 @@ from models.description.card_file import parse_card
 from models.description.compiled import compile_model, named, root_body
 from models.description.robot import Robot, start_key
 from models.errors import ModelError
-from models.motion.mobility import Mobility, mobility_of
-from models.motion.robot_equations import equations
+from models.motion.robot_equations import Mobility, equations, mobility_of
 from planner import Array, PlannerError
 
 SHORT = 0.05  # of the longest leg as seen from above: shorter ones push nothing

@@ -19,7 +19,6 @@ from .makes import (
     KNOWN_SERVOS as KNOWN_SERVOS,
     servo_of as servo_of,
 )
-from .names import is_plain as is_plain
 from .robot import FOLDER as FOLDER
 from .servos import (
     BOARD_CLOCK as BOARD_CLOCK,
@@ -29,6 +28,7 @@ from .servos import (
 )
 from .table import (
     Table as Table,
+    is_plain as is_plain,
     parse_toml as parse_toml,
     toml_key as toml_key,
     toml_text as toml_text,

@@ -12,8 +12,8 @@ from math import inf
 from typing import Any
 
 from models.description.makes import servo_of
-from models.description.names import is_plain
 from models.description.servos import BOARD_CLOCK, JointServo, ServoKind
+from models.description.table import is_plain
 from planner.support import unknown
 
 # [s]; with slower lifts the slip at lift-off and touchdown no longer decreases

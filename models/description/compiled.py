@@ -11,8 +11,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from models.description.names import check_names
-from models.description.numbers import check_model
+from models.description.numbers import check_model, check_names
 from models.errors import ModelError
 from planner import Array
 

@@ -1,7 +1,7 @@
-"""Checks for NaN and infinity in a model, in its text and after its compilation.
+"""Checks of the numbers and names in a model, in its text and after its compilation.
 
-The compiler accepts most of them and silently replaces some by defaults. It also takes
-text that is not UTF-8, which nothing can write down again.
+The compiler accepts most NaN and infinity and silently replaces some by defaults. It
+also takes text that is not UTF-8, which nothing can write down again.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from models.description.table import is_plain
 from models.errors import ModelError
 
 UNDECODED = re.compile("[\udc80-\udcff]")  # bytes that are not UTF-8
@@ -138,3 +139,23 @@ def _owner(model: mujoco.MjModel, array: str, row: int) -> str:
         return f"the {word}s"
     name = getattr(model, kind)(row).name
     return f"{word} {name!r}" if name else f"{word} {row}"
+
+
+def check_name(name: str, source: str) -> None:
+    """Refuse a name that cannot stand wherever names are written."""
+    if not is_plain(name):
+        raise ModelError(
+            f"{name!r} is no name for a part or a robot: {source}; use printable "
+            "characters, and no backslash at the end"
+        )
+
+
+def check_names(model: mujoco.MjModel, source: str) -> None:
+    """Refuse a compiled model in which something has such a name."""
+    for name in model.names.split(b"\0"):
+        try:
+            check_name(name.decode(), source)
+        except UnicodeDecodeError as error:
+            raise ModelError(
+                f"a name of it is not text, {error}: {source}; write names in UTF-8"
+            ) from error

@@ -57,6 +57,15 @@ def toml_key(name: str) -> str:
     return name if re.fullmatch(r"(?a:[\w-])+", name) else toml_text(name)
 
 
+def is_plain(name: str) -> bool:
+    """Whether a name can stand in tables, pages, terminals and firmware.
+
+    Control characters and marks that turn the order of writing around would do
+    something there, and a backslash at the end of a line joins the next one to it.
+    """
+    return name.isprintable() and not name.endswith("\\")
+
+
 LARGEST_NUMBER = 1e12  # numbers beyond it overflow somewhere
 T = TypeVar("T")
 Fits = Callable[[object], bool]

@@ -1,15 +1,116 @@
-"""A morphology as MJCF: bodies, joints, servos, cameras, sensors and a keyframe.
+"""Dimensions of a robot whose legs have two joints, and the MJCF written from them.
 
-The file is meant to be read by people: it has axes instead of quaternions, and one
-default class for each kind of part.
+Body frame: x forward, y left, z up, origin at the height of the hips above the point
+where x = y = 0. SI units, radians. The file is meant to be read by people: it has axes
+instead of quaternions, and one default class for each kind of part.
 """
 
 from __future__ import annotations
 
-from collections.abc import Container, Sequence
+from collections.abc import Container, Mapping, Sequence
+from dataclasses import dataclass
+from math import atan2, cos, hypot, radians, sin
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from models.morphology.dimensions import Leg, Morphology, Point
+Point = tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Leg:
+    """A straight leg seen from above, as the robot stands."""
+
+    hip: Point  # where the swing axis is [m]
+    foot: Point  # [m]
+    turned: float = 0.0  # swing joint's angle when standing [rad]
+
+    @property
+    def length(self) -> float:
+        """Horizontal distance from swing axis to foot at lift 0 [m]."""
+        return hypot(self.foot[0] - self.hip[0], self.foot[1] - self.hip[1])
+
+    @property
+    def direction(self) -> Point:
+        """Unit vector from the swing axis to the foot when the swing joint is at 0."""
+        dx, dy = self.foot[0] - self.hip[0], self.foot[1] - self.hip[1]
+        c, s = cos(self.turned) / self.length, sin(self.turned) / self.length
+        return (c * dx + s * dy, c * dy - s * dx)
+
+    def __post_init__(self) -> None:
+        if self.length <= 0:
+            raise ValueError(f"leg of length 0: hip and foot are both at {self.hip}")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Morphology:
+    """A body plate on legs. Legs are numbered front to back, odd left, even right."""
+
+    name: str
+    legs: Mapping[int, Leg]
+    hip_height: float  # [m] above the floor
+    plate: tuple[float, float, float]  # half sizes of the body plate [m]
+    body_mass: float  # [kg], without legs
+    leg_mass: float  # [kg], each
+    leg_radius: float  # [m]
+    hip_radius: float  # [m]
+    foot_radius: float  # [m]
+    swing_range: float  # [rad], either side of standing
+    lift_range: tuple[float, float]  # [rad]
+    stiffness: float  # position servo, [N m/rad]
+    damping: float  # position servo, [N m s/rad]
+    armature: float  # reflected rotor inertia, [kg m^2]
+
+    def __post_init__(self) -> None:
+        for field in ("hip_height", "body_mass", "leg_mass", "stiffness", "armature"):
+            value = getattr(self, field)
+            if not value > 0:
+                raise ValueError(f"{self.name}: {field} must be positive, got {value}")
+
+    @property
+    def mass(self) -> float:
+        """Mass of the whole robot [kg]."""
+        return self.body_mass + self.leg_mass * len(self.legs)
+
+
+def legs_towards_pivots(
+    feet: Mapping[int, Point], pivots: Mapping[int, Point], kappa: float
+) -> dict[int, Leg]:
+    """Legs whose lines, extended inward, meet at the pivot of their tripod.
+
+    A planted foot moves at right angles to its leg, so three legs hold a rotation of
+    the body without slip exactly when their lines meet at its centre. One radian of
+    swing then turns the body about the pivot by `kappa`, the leg's length as a fraction
+    of the distance from pivot to foot. Places are those at swing 0, body frame [m].
+    """
+    legs = {}
+    for number, (fx, fy) in feet.items():
+        px, py = pivots[number]
+        hip = (px + (1 - kappa) * (fx - px), py + (1 - kappa) * (fy - py))
+        legs[number] = Leg(hip, (fx, fy))
+    return legs
+
+
+def legs_on_a_circle(
+    bearings: Mapping[int, float],
+    radius: float,
+    length: float,
+    pivots: Mapping[int, Point],
+) -> dict[int, Leg]:
+    """Radial legs of one length that stand turned in line with their group's pivot.
+
+    A bearing [degrees] is the direction of a hip from the middle, at that radius [m],
+    and of its leg when the swing joint is at 0; pivots are in the body frame [m].
+    """
+    legs = {}
+    for number, degrees in bearings.items():
+        bearing = radians(degrees)
+        hip = (radius * cos(bearing), radius * sin(bearing))
+        px, py = pivots[number]
+        along = atan2(hip[1] - py, hip[0] - px)
+        foot = (hip[0] + length * cos(along), hip[1] + length * sin(along))
+        turned = atan2(sin(along - bearing), cos(along - bearing))
+        legs[number] = Leg(hip, foot, turned)
+    return legs
+
 
 INK, ACCENT = "0.25 0.29 0.35 1", "0.95 0.55 0.15 1"
 COLOURS = (  # of the groups; pictures mark their footprints alike

@@ -12,7 +12,7 @@ from inspect import signature
 from math import isfinite, sqrt
 from typing import Any
 
-from models.morphology.dimensions import (
+from models.morphology.mjcf import (
     Leg,
     Morphology,
     Point,

@@ -15,10 +15,9 @@ import numpy as np
 from numpy.polynomial import Polynomial
 
 from models.contact.dissipation import ellipses, least_dissipation_twist
-from models.contact.ground import Ground
 from models.contact.kinematics import Kinematics
 from models.contact.loads import static_loads
-from models.contact.sliding import sliding_twist
+from models.contact.sliding import Ground, sliding_twist
 from models.errors import MeasurementError
 from models.motion.robot_equations import Equations
 from planner import Array

@@ -7,16 +7,16 @@ from collections.abc import Callable, Mapping
 from typing import get_type_hints
 
 from models.errors import ProblemError
-from models.systems import hexapods, legged, smooth
+from models.systems import legged, smooth
 from models.systems.problem import Problem
 from planner.support import unknown
 
 SYSTEMS: Mapping[str, Callable[..., Problem]] = {
-    "paper-hexapod": hexapods.paper_hexapod,
+    "paper-hexapod": legged.paper_hexapod,
     "biped": legged.biped,
     "quadruped-crawl": legged.quadruped,
     "octopod-pairs": legged.octopod,
-    "hexapod-trailer": hexapods.hexapod_with_trailer,
+    "hexapod-trailer": legged.hexapod_with_trailer,
     "finger-gaiting": legged.finger_gaiting,
     "unicycle": smooth.unicycle,
     "car": smooth.car,

@@ -84,8 +84,7 @@ def _prepare(
     from importlib.resources import files
 
     from models.description import BOARD_CLOCK, board_divider, board_rate
-    from sim.export.calibration import marks
-    from sim.export.joint_pictures import draw, sheet
+    from sim.export.calibration import draw, marks, sheet
     from sim.reports.templates import render
 
     tool = SKETCH if kind.signal == "pulse" else SCRIPT

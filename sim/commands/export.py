@@ -109,7 +109,7 @@ def _played(
     options: argparse.Namespace, source: Source, read: ServoCommands, progress: Progress
 ) -> dict[str, Played]:
     """What came of playing the export, by words for how it was played."""
-    from sim.export.played import play
+    from sim.export.source import play
 
     ways = {"exported": False, "interpolated": True}
     if options.format != "ros2":  # which alone has a controller that interpolates
@@ -186,7 +186,7 @@ def _written(
     Angles that are written as such have no counts, which is 0.
     """
     from sim.export.files import read, servos, write
-    from sim.export.ros_table import read_ros_table
+    from sim.export.servo_table import read_ros_table
 
     given = read_ros_table(Path(options.servo_table)) if options.servo_table else None
     rate = options.rate or RATE

@@ -19,7 +19,7 @@ import numpy as np
 from models.description import actuator_of
 from planner import Array
 from sim.preparation.setup import Setup
-from sim.world.integrator import suitable_integrator
+from sim.world.model import suitable_integrator
 
 GIVES = 1 / 800  # [rad]; of a joint under the whole weight at the end of a leg
 SMOOTHED = 0.05  # [s]; over which torques are averaged, as servos cannot follow faster

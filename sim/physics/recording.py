@@ -29,8 +29,7 @@ from sim.physics.measure import (
     decided,
     last_touched,
 )
-from sim.world.sensors import SELF_CONTACT
-from sim.world.walls import Touches
+from sim.world.sensors import SELF_CONTACT, Touches
 
 NEVER = np.iinfo(np.int64).max
 NONE = np.zeros(0, dtype=int)

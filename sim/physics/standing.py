@@ -19,9 +19,8 @@ from models import Kinematics, ModelError, Robot
 from models.contact import UPRIGHT
 from models.description import actuator_of, silence_the_engine
 from sim.errors import UsageError
-from sim.world.integrator import suitable_integrator
-from sim.world.sensors import contact_sensor
-from sim.world.walls import PREFIX
+from sim.world.model import suitable_integrator
+from sim.world.sensors import PREFIX, contact_sensor
 
 SETTLING = 0.5  # [s]
 CHUNK = 10  # steps between two looks at whether Ctrl-C was pressed

@@ -3,11 +3,16 @@
 What walking and measurement need is added to the robot's file where it is missing, also
 the keyframe `start`: the pose in which the robot begins, its feet on the floor. The run
 simulates the model that is compiled from the text.
+
+Euler's integrator takes springs and servos as they are at the beginning of a step. The
+engine's implicit one allows for their damping once friction has been solved for, which
+makes standing feet slip in proportion to the timestep. It is stable where Euler's is
+not, and is used there.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import mujoco
@@ -15,17 +20,16 @@ import numpy as np
 
 from models import Kinematics, Robot
 from models.description import ON_JOINT, compile_model, one_line
+from planner import Array
 from sim.scenarios.scenario import Scenario
 from sim.world.assets import gather
 from sim.world.dead_bands import BAND, ensure_dead_bands
 from sim.world.floor import Floor, add_bumps, ensure_floor, scene
 from sim.world.imperfections import BACKLASH, add_imperfections
-from sim.world.integrator import suitable_integrator
 from sim.world.motors import ensure_motors
-from sim.world.sensors import ensure_sensors
+from sim.world.sensors import add_walls, ensure_sensors
 from sim.world.servo_settings import servo_settings
 from sim.world.servos import common_servo, ensure_servos
-from sim.world.walls import add_walls
 
 START = "start"
 SIZES = {mujoco.mjtJoint.mjJNT_FREE: 7, mujoco.mjtJoint.mjJNT_BALL: 4}  # in qpos
@@ -124,3 +128,56 @@ def _ctrl(spec: mujoco.MjSpec, robot: Robot) -> list[float]:
         else own.get(actuator.name, 0.0)
         for actuator in spec.actuators
     ]
+
+
+NUDGE = 1e-6  # [rad] or [m], and as much a second
+STABLE = 1.9  # of `explicitness`, whose limit is 2 where the robot starts
+
+
+def suitable_integrator(model: mujoco.MjModel) -> mujoco.mjtIntegrator:
+    """Euler's where it is stable, and the engine's fast implicit one elsewhere."""
+    stable = explicitness(model) < STABLE
+    kinds = mujoco.mjtIntegrator
+    return kinds.mjINT_EULER if stable else kinds.mjINT_IMPLICITFAST
+
+
+def explicitness(model: mujoco.MjModel) -> float:
+    """How far a velocity changes in one explicit step, as a multiple of itself.
+
+    With inertia M, stiffness K, damping C and timestep h it is the largest eigenvalue
+    of M^-1 (h C + h^2 K / 2). Explicit steps grow from 2 on. The damping of the joints
+    themselves is left out, since Euler's integrator treats it implicitly as well.
+    """
+    h, data = model.opt.timestep, mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    mujoco.mj_forward(model, data)
+    inertia = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, inertia)
+    start = data.qpos.copy()
+
+    def forces() -> Array:  # of springs, dampers and servos on every freedom, (nv,)
+        mujoco.mj_fwdPosition(model, data)
+        mujoco.mj_fwdVelocity(model, data)
+        mujoco.mj_fwdActuation(model, data)
+        total: Array = data.qfrc_passive + data.qfrc_actuator
+        return total
+
+    def moved(step: Array) -> Array:
+        data.qpos[:] = start
+        mujoco.mj_integratePos(model, data.qpos, step, 1.0)
+        return forces()
+
+    def moving(velocity: Array) -> Array:
+        data.qpos[:], data.qvel[:] = start, velocity
+        return forces()
+
+    stiffness = _falls(moved, model.nv)
+    damping = _falls(moving, model.nv) - np.diag(model.dof_damping)
+    change = np.linalg.solve(inertia, h * damping + h**2 / 2 * stiffness)
+    return float(np.linalg.eigvals(change).real.max())
+
+
+def _falls(forces: Callable[[Array], Array], size: int) -> Array:
+    """Minus the derivative of forces, by central differences, shape (nv, nv)."""
+    steps = NUDGE * np.eye(size)
+    return np.stack([forces(-s) - forces(s) for s in steps], axis=-1) / (2 * NUDGE)

@@ -9,7 +9,7 @@ import pytest
 
 from models.morphology.mjcf import COLOURS
 from sim import palette
-from sim.world.walls import COLOUR
+from sim.world.sensors import COLOUR
 
 ROOT = Path(__file__).parents[2]
 TINTS = 4  # groups of the shipped robots, at most

@@ -8,8 +8,7 @@ from models.adoption.source import source_of
 from models.contact.loads import StaticStability
 from models.errors import ModelError
 from models.library import load
-from models.motion.mobility import mobility_of
-from models.motion.robot_equations import equations
+from models.motion.robot_equations import equations, mobility_of
 from planner.planning.algorithm import plan
 from planner.planning.paths import line
 from scripts.adoptees import Adoptee, parallel, radial

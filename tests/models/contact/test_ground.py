@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from models.contact.ground import Ground
 from models.contact.kinematics import Kinematics
+from models.contact.sliding import Ground
 from sim.preparation.setup import prepare
 
 RAISED = 'rgba="0.80 0.27 0.24 1" name="foot_3"'

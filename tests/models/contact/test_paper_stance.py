@@ -5,7 +5,7 @@ import pytest
 import shapely
 
 from models.contact.kinematics import Kinematics
-from models.contact.paper_stance import PaperStance
+from models.contact.loads import PaperStance
 from models.library import load
 from sim.motion.stability import stability_margin, support_polygons
 

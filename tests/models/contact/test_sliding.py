@@ -11,9 +11,8 @@ from models.contact.dissipation import (
     foot_velocities,
     least_dissipation_twist,
 )
-from models.contact.ground import Ground
 from models.contact.kinematics import Kinematics, Stance
-from models.contact.sliding import sliding_twist
+from models.contact.sliding import Ground, sliding_twist
 from models.library import load as load_robot
 from planner.systems.flows import Flow
 from sim.motion.schedule import LegState, MotionLimits, Scheduler

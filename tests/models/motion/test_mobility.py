@@ -4,8 +4,7 @@ import pytest
 
 from models.adoption.draft import propose
 from models.library import load
-from models.motion.mobility import mobility_of
-from models.motion.robot_equations import equations
+from models.motion.robot_equations import equations, mobility_of
 from tests import radial
 
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from models.contact.ground import Ground
 from models.contact.kinematics import Kinematics
+from models.contact.sliding import Ground
 from models.library import load
 from models.motion.real_contacts import (
     FittedTwists,

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from sim.errors import UsageError
-from sim.export.ros_table import read_ros_table
-from sim.export.servo_table import servo_table
+from sim.export.servo_table import read_ros_table, servo_table
 from tests.sim.export.test_files import CARD, JOINTS, MG90
 
 SERVO = (

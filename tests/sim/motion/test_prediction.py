@@ -5,8 +5,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from models.contact.dissipation import foot_velocities
-from models.contact.ground import Ground
 from models.contact.kinematics import Kinematics
+from models.contact.sliding import Ground
 from models.motion.robot_equations import equations
 from models.motion.twists import IdealTwists, QuasiStaticTwists
 from planner.systems.flows import Flow

@@ -13,7 +13,7 @@ from sim.scenarios import obstacles as shapes
 from sim.scenarios.file import dumps, load_scenario
 from sim.scenarios.scenario import Scenario
 from sim.world.model import build, load as load_world
-from sim.world.walls import Touches
+from sim.world.sensors import Touches
 
 WALL = {"kind": "wall", "points": [[0.4, -0.5], [0.4, 0.3], [0.9, 0.3]]}
 BOX = {"kind": "box", "center": [0.5, -0.4], "size": [0.2, 0.1], "yaw": 0.3}

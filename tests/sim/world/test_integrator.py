@@ -5,7 +5,7 @@ import pytest
 
 from models.library import load, shipped_robots
 from sim.preparation.setup import prepare
-from sim.world.integrator import STABLE, explicitness, suitable_integrator
+from sim.world.model import STABLE, explicitness, suitable_integrator
 
 EULER = mujoco.mjtIntegrator.mjINT_EULER
 IMPLICIT = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
