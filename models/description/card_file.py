@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -35,8 +36,7 @@ KEYS = {
     "learnt": ("numbers",),
     "fitted": (),
 }
-JOINT_SERVO_NUMBERS = ("sign", "center", "offset", "counts_per_radian")
-JOINT_SERVO_KEYS = ("channel", *JOINT_SERVO_NUMBERS, "limits")
+JOINT_SERVO_KEYS = tuple(item.name for item in fields(JointServo))
 
 
 def read_text(path: Path) -> str:
@@ -74,7 +74,7 @@ def _card(table: Table) -> Card:
                 groups=t.gains("groups", required=True),
                 twist=_twist(t),
             )
-            for name, t in _each(table, "pattern", required=False)
+            for name, t in (_each(table, "pattern") if "pattern" in table else ())
         },
         least_load=gait.number("least_load", 0.0),
         lift_time=table.number("lift_time", LIFT_TIME),
@@ -84,16 +84,14 @@ def _card(table: Table) -> Card:
             for joint, value in table.table("servo").values.items()
             if isinstance(value, dict)
         },
-        board_clock=_board(table.table("board")),
+        board_clock=Table(table.table("board").values, "board", KEYS["board"]).number(
+            "clock", BOARD_CLOCK
+        ),
         start=table.gains("start"),
         learnt=_learnt(table) if "learnt" in table else (),
-        fitted=table.table("fitted").values if "fitted" in table else {},
+        fitted=table.table("fitted").values,
         description=table.text("description", ""),
     )
-
-
-def _board(board: Table) -> float:
-    return Table(board.values, "board", KEYS["board"]).number("clock", BOARD_CLOCK)
 
 
 def _learnt(table: Table) -> tuple[float, ...]:
@@ -101,10 +99,9 @@ def _learnt(table: Table) -> tuple[float, ...]:
     return Table(table.get("learnt"), "learnt", KEYS["learnt"]).numbers("numbers")
 
 
-def _each(table: Table, key: str, required: bool = True) -> Iterable[tuple[str, Table]]:
+def _each(table: Table, key: str) -> Iterable[tuple[str, Table]]:
     """Entries of a table of tables."""
-    tables = table.tables(key, KEYS[key]) if required or key in table else {}
-    return tables.items()
+    return table.tables(key, KEYS[key]).items()
 
 
 def _leg_number(name: str) -> int:
@@ -152,7 +149,9 @@ def _servo(servo: Table) -> Servo | None:
 
 def _joint_servo(table: Table) -> JointServo:
     given: dict[str, object] = {
-        key: table.number(key) for key in JOINT_SERVO_NUMBERS if key in table
+        key: table.number(key)
+        for key in table.values
+        if key not in ("channel", "limits")
     }
     if "channel" in table:
         given["channel"] = table.whole("channel")
@@ -162,8 +161,7 @@ def _joint_servo(table: Table) -> JointServo:
 
 
 def _twist(table: Table) -> Twist | None:
-    meaning = "forward, left [m/rad], yaw [rad/rad]"
-    return _numbers(table, "twist", 3, meaning)
+    return _numbers(table, "twist", 3, "forward, left [m/rad], yaw [rad/rad]")
 
 
 def _numbers(table: Table, key: str, count: int, meaning: str) -> Any:

@@ -6,7 +6,6 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import mujoco
 import numpy as np
@@ -70,18 +69,15 @@ def named(spec: mujoco.MjSpec) -> None:
     for kind, parts in kinds.items():
         for number, part in enumerate(parts):
             if not part.name:
-                name = _name(kind, part, number)
+                name = f"{kind}_{number}"
+                if kind != "actuator":
+                    name = f"{part.parent.name or 'robot'}_{name}"
+                elif part.trntype in ON_JOINT:
+                    name = part.target
                 while name in taken:
                     name += "_"
                 taken.add(name)
                 part.name = name
-
-
-def _name(kind: str, part: Any, number: int) -> str:
-    """What to call a part of a spec that has no name."""
-    if kind != "actuator":
-        return f"{part.parent.name or 'robot'}_{kind}_{number}"
-    return part.target if part.trntype in ON_JOINT else f"{kind}_{number}"
 
 
 def is_position_servo(gain: float, bias: float) -> bool:

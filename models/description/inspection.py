@@ -45,8 +45,12 @@ def included(path: Path) -> list[Path]:
         named = [Path(name) for name in mujoco.mju_getXMLDependencies(str(path))]
     for other in named:
         if other.exists() and not other.is_file():  # a pipe would be waited for
-            raise ModelError(f"not a file: {other}, which {path} names; correct it")
+            raise _no_file(other, path)
     return [other for other in named if other.is_file()]
+
+
+def _no_file(other: Path, path: Path) -> ModelError:
+    return ModelError(f"not a file: {other}, which {path} names; correct it")
 
 
 def _refuse_pipes(path: Path, seen: set[Path]) -> None:
@@ -64,7 +68,7 @@ def _refuse_pipes(path: Path, seen: set[Path]) -> None:
         if other.is_file():
             _refuse_pipes(other, seen)
         elif not other.is_dir():
-            raise ModelError(f"not a file: {other}, which {path} names; correct it")
+            raise _no_file(other, path)
 
 
 def elements_with_files(
@@ -114,11 +118,8 @@ class Limits(NamedTuple):
     move: str  # files from elsewhere
 
 
-ROBOT = Limits(
-    30,
-    4 * 10**9,
-    "move them there, or give --allow-external if you trust it",
-)
+MOVE = "move them there, or give --allow-external if you trust it"
+ROBOT = Limits(30, 4 * 10**9, MOVE)
 PATIENCE = 30  # [s] by the clock
 ROOT = Path(__file__).resolve().parents[2]
 SHOWN = 3  # files that a message names
@@ -197,7 +198,14 @@ def examine(path: Path) -> list[Path]:
         if text.read_bytes()[:100].lstrip(b"\xef\xbb\xbf\r\n\t ").startswith(b"<"):
             check_text(text)
     model = compile_model(read_spec(path), str(path))
-    _require_handy(model, path)
+    # a walk needs room for copies
+    numbers = model.nsensordata + model.nuserdata + model.nq + model.nv
+    size = mujoco.mj_sizeModel(model) + 8 * numbers
+    if size > HANDY:
+        raise ModelError(
+            f"too large: {path}; compiled it has {size / 1e9:.1f} GB, and "
+            f"{HANDY / 1e9:g} GB are the most, leave parts out"
+        )
     with one_line(f"the engine cannot run it: {path}", "is <size memory> too small?"):
         data = mujoco.MjData(model)
         for key in [*range(model.nkey), -1]:  # -1: as the file has it
@@ -213,17 +221,6 @@ def examine(path: Path) -> list[Path]:
                 "correct meshdir or texturedir"
             )
     return sorted({path, *texts, *named})
-
-
-def _require_handy(model: mujoco.MjModel, path: Path) -> None:
-    """Refuse a model of which there is no room for the copies that a walk needs."""
-    numbers = model.nsensordata + model.nuserdata + model.nq + model.nv
-    size = mujoco.mj_sizeModel(model) + 8 * numbers
-    if size > HANDY:
-        raise ModelError(
-            f"too large: {path}; compiled it has {size / 1e9:.1f} GB, and "
-            f"{HANDY / 1e9:g} GB are the most, leave parts out"
-        )
 
 
 def report(path: Path) -> dict[str, object]:

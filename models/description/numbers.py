@@ -45,13 +45,11 @@ def check_text(path: Path) -> None:
             f"byte {byte:#x} is no text in UTF-8: {path}, line {line}; save it as such"
         )
     for tag in TAG.finditer(text):
-        attributes = [
-            (name, html.unescape(value[1:-1]))
-            for name, value in ATTRIBUTE.findall(tag[2])
-        ]
-        own = dict(attributes).get("name")
+        found = ATTRIBUTE.findall(tag[2])
+        attributes = {name: html.unescape(value[1:-1]) for name, value in found}
+        own = attributes.get("name")
         element = f"<{tag[1]}> {own!r}" if own else f"<{tag[1]}>"
-        for name, value in attributes:
+        for name, value in attributes.items():
             if name not in TEXTS and _is_bad(value):
                 line = text.count("\n", 0, tag.start()) + 1
                 raise ModelError(

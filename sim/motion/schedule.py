@@ -35,10 +35,9 @@ class MotionLimits:
 
     def swing_steps(self, direction: Sequence[float], amount: float) -> tuple[int, int]:
         """Number of steps of a swing and of its acceleration."""
+        speed, acceleration = self.swing_speed, self.swing_acceleration
         farthest = amount * max(map(abs, direction))
-        return ramp_steps(
-            farthest, self.swing_speed, self.swing_acceleration, self.timestep
-        )
+        return ramp_steps(farthest, speed, acceleration, self.timestep)
 
     def swing_peak(self, direction: Sequence[float], amount: float) -> float:
         """Highest speed that a joint comes to in a swing [rad/s]."""
@@ -217,21 +216,18 @@ class Scheduler:
         """Enter the flow's stratum and swing each group by its share a unit of time."""
         self.enter(flow.stratum)
         steps, _ = self._limits.swing_steps(direction, flow.duration)
-        self._swing = [
-            angle + flow.duration * share
-            for angle, share in zip(self._swing, direction, strict=True)
-        ]
+        pairs = zip(self._swing, direction, strict=True)
+        self._swing = [angle + flow.duration * share for angle, share in pairs]
         self._lay("swing", direction, flow.duration, steps, flow.field)
 
     def enter(self, stratum: str) -> None:
         """Put down the groups that the stratum stands on, then lift the others."""
         groups = self._limits.groups
-        raised = [g for g in groups if g not in self._stratum]
-        for group in (g for g in raised if g in stratum):
+        for group in [g for g in groups if g in stratum and g not in self._stratum]:
             self._move("land", group, -self._limits.lift_angle)
             standing = self._stratum + group
             self._stratum = "".join(g for g in groups if g in standing)
-        for group in (g for g in self._stratum if g not in stratum):
+        for group in [g for g in self._stratum if g not in stratum]:
             self._stratum = self._stratum.replace(group, "")
             self._move("lift", group, self._limits.lift_angle)
 

@@ -38,11 +38,6 @@ class Clearances:
         return self.clearance.min(axis=1, initial=np.inf)
 
     @property
-    def way(self) -> Array:
-        """Largest distance that a point of it moved, shape (T - 1,) [m]."""
-        return _moved(self.cores, slice(None, -1), slice(1, None))
-
-    @property
     def bound(self) -> Array:
         """Lower bound on the clearance between samples, shape (T - 1,) [m]."""
         return self.between(slice(None, -1), slice(1, None))
@@ -81,13 +76,12 @@ class Surroundings:
         may have a lower bound of its clearance in its place.
         """
         cores = self.outline.solids.cores(qpos)
-        radii = [part.radius for part in self.outline.solids.parts]
         way = _moved(cores, slice(None, -1), slice(1, None))
         enough += ARC * way.max(initial=0.0)
         gone = np.append(0.0, np.cumsum(way))
         clearance = [
-            self._along(core, gone, enough + radius) - radius
-            for core, radius in zip(cores, radii, strict=True)
+            self._along(core, gone, enough + part.radius) - part.radius
+            for core, part in zip(cores, self.outline.solids.parts, strict=True)
         ]
         return Clearances(np.stack(clearance, axis=-1), cores)
 
@@ -110,24 +104,20 @@ class Surroundings:
 
     def nearest(self, qpos: Array) -> tuple[str, int]:
         """The part and the obstacle, counted from 1, that are closest to each other."""
-        cores = self.outline.solids.cores(qpos[None])
+        parts = self.outline.solids.parts
+        cores = map(hulls, self.outline.solids.cores(qpos[None]))
         each = [
-            [
-                float(_distance(hulls(core), obstacle.area)[0]) - part.radius
-                for obstacle in self.obstacles
-            ]
-            for core, part in zip(cores, self.outline.solids.parts, strict=True)
+            [float(_distance(core, o.area)[0]) - part.radius for o in self.obstacles]
+            for core, part in zip(cores, parts, strict=True)
         ]
         part, obstacle = np.unravel_index(np.argmin(each), np.shape(each))
-        return self.outline.solids.parts[part].name, int(obstacle) + 1
+        return parts[part].name, int(obstacle) + 1
 
 
 def _moved(cores: Sequence[Array], first: Rows, last: Rows) -> Array:
     """Largest distance between the points of cores at some samples and at others."""
-    farthest = [
-        np.linalg.norm(core[last] - core[first], axis=-1).max(axis=-1) for core in cores
-    ]
-    return np.max(farthest, axis=0)
+    ways = (np.linalg.norm(core[last] - core[first], axis=-1) for core in cores)
+    return np.max([way.max(axis=-1) for way in ways], axis=0)
 
 
 def surroundings(setup: Setup) -> Surroundings:

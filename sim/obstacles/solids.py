@@ -63,12 +63,8 @@ class Solids:
 
     def covered(self, qpos: Array) -> Array:
         """The floor under each part in each configuration, shapely, (parts, T)."""
-        return np.stack(
-            [
-                shapely.buffer(hulls(core), part.radius)
-                for core, part in zip(self.cores(qpos), self.parts, strict=True)
-            ]
-        )
+        pairs = zip(self.cores(qpos), self.parts, strict=True)
+        return np.stack([shapely.buffer(hulls(c), part.radius) for c, part in pairs])
 
     def swept(self, qpos: Array) -> shapely.Geometry:
         """The floor that the robot stands over in any configuration, shape (T, nq)."""
@@ -111,11 +107,6 @@ class Outline:
         """Its solid parts."""
         return Solids(self.model, self.model.body(self.robot.root).id)
 
-    @cached_property
-    def _root(self) -> int:
-        """Where the free joint's positions begin."""
-        return self.robot.root_address_in(self.model)
-
     def configurations(self, pose: Array, swing: Array, lift: Array) -> Array:
         """Joint positions (T, nq) of a level body at poses (T, 3).
 
@@ -123,7 +114,7 @@ class Outline:
         """
         robot, model = self.robot, self.model
         qpos = np.tile(robot.start_qpos, (len(pose), 1))
-        root = self._root
+        root = robot.root_address_in(model)
         qpos[:, root : root + 2] = pose[:, :2]
         half, zero = pose[:, 2] / 2, np.zeros(len(pose))
         upright = [np.cos(half), zero, zero, np.sin(half)]
@@ -134,8 +125,7 @@ class Outline:
 
     def radius(self, qpos: Array) -> float:
         """Radius of the circle about the root's origin that contains the robot [m]."""
-        center, cores = qpos[self._root : self._root + 2], self.solids.cores(qpos[None])
-        return max(
-            float(np.linalg.norm(core[0] - center, axis=-1).max()) + part.radius
-            for core, part in zip(cores, self.solids.parts, strict=True)
-        )
+        root = self.robot.root_address_in(self.model)
+        pairs = zip(self.solids.cores(qpos[None]), self.solids.parts, strict=True)
+        ways = ((core[0] - qpos[root : root + 2], part.radius) for core, part in pairs)
+        return max(float(np.linalg.norm(w, axis=-1).max()) + r for w, r in ways)

@@ -6,9 +6,7 @@ diverges; its warnings are therefore checked after every stretch.
 
 from __future__ import annotations
 
-import dataclasses
 import time
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import mujoco
@@ -27,8 +25,7 @@ FIRST = 50  # steps handed to the engine at once to begin with
 BUSY_TIME = 0.3  # [s] that it may be busy at once, Ctrl-C waits meanwhile
 
 
-@dataclass(frozen=True, slots=True)
-class Record:
+class Record(NamedTuple):
     """States and sensor readings of consecutive steps."""
 
     qpos: Array  # (n, nq), after each step
@@ -87,13 +84,12 @@ class Engine:
             done += len(parts[-1].qpos)
         if len(parts) == 1:
             return parts[0]
-        fields = (field.name for field in dataclasses.fields(Record))
-        return Record(*(np.concatenate([getattr(p, f) for p in parts]) for f in fields))
+        return Record(*map(np.concatenate, zip(*parts, strict=True)))
 
     def _play(self, ctrl: Array) -> Record:
         """Apply commands at once, and measure how many may be next time."""
         began = time.perf_counter()
-        items = ("qpos", "qvel", "sensordata", "actuator_force")
+        items = Record._fields
         try:
             out = self._batch.rollout(len(ctrl), control=ctrl[None], record=items)
         except batch.SimulationError as error:
@@ -138,13 +134,11 @@ class Engine:
 
     def _joint(self, warning: int, place: int) -> str:
         """Which joint a warning is about, in words; it tells a coordinate's place."""
-        model = self.model
-        if warning == mujoco.mjtWarning.mjWARN_BADQPOS:
-            joints = np.flatnonzero(model.jnt_qposadr <= place)
-        elif warning in OF_SPEED:
-            joints = np.flatnonzero(model.jnt_dofadr <= place)
-        else:
+        model, of_speed = self.model, warning in OF_SPEED
+        if not (of_speed or warning == mujoco.mjtWarning.mjWARN_BADQPOS):
             return ""
+        begin = model.jnt_dofadr if of_speed else model.jnt_qposadr
+        joints = np.flatnonzero(begin <= place)
         return f" at joint {model.joint(int(joints[-1])).name!r}" if len(joints) else ""
 
     def _last(self, record: Record, count: int) -> State:

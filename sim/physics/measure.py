@@ -9,6 +9,7 @@ over the time in contact.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import NamedTuple
 
 import mujoco
@@ -111,11 +112,9 @@ def bridge(loaded: Array, shortest: int, before: Array | None = None) -> Array:
     contact = known.copy()
     for foot in range(known.shape[1]):
         edges = np.flatnonzero(np.diff(known[:, foot].astype(np.int8)))
-        falls = edges[known[edges, foot]]
-        for fall in falls:
-            rise = edges[np.searchsorted(edges, fall) + 1 :][:1]
-            if len(rise) and rise[0] - fall < shortest:
-                contact[fall + 1 : rise[0] + 1, foot] = True
+        for fall, rise in pairwise(edges):
+            if known[fall, foot] and rise - fall < shortest:
+                contact[fall + 1 : rise + 1, foot] = True
     return contact[1:]
 
 
@@ -136,12 +135,10 @@ def decided(loaded: Array, shortest: int, before: Array | None = None) -> int:
     shorter than `shortest` may turn out to be a bounce.
     """
     known = _after(before, loaded)
+    rows = np.arange(len(known))[:, None]  # a row of `known` is a step + 1
+    last = np.where(known, rows, -shortest).max(axis=0)
     count = len(loaded)
-    for foot in np.flatnonzero(~known[-1]):
-        last = np.flatnonzero(known[:, foot])[-1:]  # row in `known` is step + 1
-        if len(last) and len(loaded) - last[0] < shortest:
-            count = min(count, int(last[0]))
-    return count
+    return int(last[count - last < shortest].min(initial=count))
 
 
 def _after(before: Array | None, loaded: Array) -> Array:

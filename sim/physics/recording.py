@@ -48,10 +48,6 @@ class Sensed(NamedTuple):
     loaded: Array  # whether each foot bears load, (T, F), bool
     speed: Array  # at the contact, (T, F) [m/s]
 
-    def at(self, which: slice) -> Sensed:
-        """Some of them."""
-        return Sensed(*(column[which] for column in self))
-
 
 class Moments(NamedTuple):
     """States at recorded moments, their contacts decided, in world coordinates."""
@@ -138,16 +134,12 @@ class Recorder:
         """
         self._inspections = np.concatenate([self._inspections, inspections])
         for ctrl in pieces:
-            before, state = self.engine.steps, self._state
-            record = self.engine.advance(ctrl)
-            self._state = State(record.qpos[-1].copy(), record.qvel[-1].copy())
+            before, record = self.engine.steps, self.engine.advance(ctrl)
             self._limited += self._at_limit(record.actuator_force)
-            self._sense(
-                before,
-                np.concatenate([state.qpos[None], record.qpos[:-1]]),
-                np.concatenate([state.qvel[None], record.qvel[:-1]]),
-                record.sensordata,
-            )
+            qpos = np.concatenate([self._state.qpos[None], record.qpos])
+            qvel = np.concatenate([self._state.qvel[None], record.qvel])
+            self._state = State(qpos[-1].copy(), qvel[-1].copy())
+            self._sense(before, qpos[:-1], qvel[:-1], record.sensordata)
             self._decide()
             yield self.engine.steps
 
@@ -173,9 +165,8 @@ class Recorder:
         """In how many steps, (n, nu), each actuator gave all the force that it has."""
         model = self.engine.model
         low, high = model.actuator_forcerange.T
-        full = (force <= low + SHORT * (high - low)) | (
-            force >= high - SHORT * (high - low)
-        )
+        near = SHORT * (high - low)
+        full = (force <= low + near) | (force >= high - near)
         steps: Array = (full & (model.actuator_forcelimited > 0)).sum(axis=0)
         return steps
 
@@ -207,25 +198,14 @@ class Recorder:
         count = len(contact) if last else decided(loaded, self._shortest, before)
         self._bounces += count_bounces(loaded[: count + 1], contact[: count + 1])
         if count < len(contact):
-            self._pending = [states.at(slice(count, None))]
+            self._pending = [Sensed(*(column[count:] for column in states))]
         if count:
-            moments = self._decided(states.at(slice(count)), contact[:count])
-            self._keep(moments, last)
-
-    def _decided(self, states: Sensed, contact: Array) -> Moments:
-        """States with contact decided, and speeds integrated while in contact."""
-        steps = np.where(contact, states.speed, 0.0) * self._timestep
-        slip = self._slip + np.cumsum(steps, axis=0)
-        self._slip = slip[-1]
-        return Moments(
-            step=states.step,
-            qpos=states.qpos,
-            qvel=states.qvel,
-            point=states.point,
-            center_of_mass=states.center_of_mass,
-            contact=contact,
-            slip=slip - steps,  # a state's own speed is yet to come
-        )
+            *known, _, speed = (column[:count] for column in states)
+            steps = np.where(contact[:count], speed, 0.0) * self._timestep
+            slip = self._slip + np.cumsum(steps, axis=0)
+            self._slip = slip[-1]
+            ahead = contact[:count], slip - steps  # a state's own speed is yet to come
+            self._keep(Moments._make([*known, *ahead]), last)
 
     def _keep(self, states: Moments, last: bool) -> None:
         step, contact = states.step, states.contact

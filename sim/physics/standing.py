@@ -11,6 +11,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import chain
 
 import mujoco
 import numpy as np
@@ -45,9 +46,8 @@ def check_standing(
         raise
     except mujoco.FatalError as error:
         reason = " ".join(str(error).split())
-        raise ModelError(
-            f"the engine cannot run it: {kinematics.robot.path}; {reason}"
-        ) from error
+        what = f"the engine cannot run it: {kinematics.robot.path}"
+        raise ModelError(f"{what}; {reason}") from error
 
 
 def _check_standing(
@@ -66,31 +66,26 @@ def _check_standing(
     if any(warning.number for warning in data.warning):
         return
     rise = float(kinematics.lifting.rise(np.array(lift_angle)).min())
-    _refuse(robot, standing.tipped())
-    _refuse(robot, standing.lying())
-    _refuse(robot, standing.aloft())
-    if (sag := before - float(data.qpos[height])) > rise:
-        what = (
-            f"its legs give way by {1e3 * sag:.1f} mm, and a lifted foot rises by "
-            f"{1e3 * rise:.1f} mm only"
-        )
-        remedy = "stiffen its servos (servo_stiffness), or lift higher (lift_height)"
-        _refuse(robot, [(what, remedy)])
-    _refuse(robot, standing.too_soft())
+    sag = before - float(data.qpos[height])
+    what = (
+        f"its legs give way by {1e3 * sag:.1f} mm, and a lifted foot rises by "
+        f"{1e3 * rise:.1f} mm only"
+    )
+    remedy = "stiffen its servos (servo_stiffness), or lift higher (lift_height)"
+    sagging = [(what, remedy)] if sag > rise else []
+    found = (standing.tipped(), standing.lying(), standing.aloft(), sagging)
+    _refuse(robot, chain(*found, standing.too_soft()))
 
 
 def _blame_the_timestep(
-    kinematics: Kinematics,
-    model: mujoco.MjModel,
-    lift_angle: float,
-    refusal: ModelError,
+    kinematics: Kinematics, model: mujoco.MjModel, lift: float, refusal: ModelError
 ) -> None:
     """Refuse the timestep instead, if the robot stands at a shorter one."""
     asked = model.opt.timestep
     for timestep in (step for step in SHORTER if step < asked):
         finer = with_timestep(model, timestep)
         with suppress(ModelError):
-            _check_standing(kinematics, finer, lift_angle)
+            _check_standing(kinematics, finer, lift)
             raise UsageError(
                 f"timestep = {asked:g} is too long for the servos of "
                 f"{kinematics.robot}, which are unstable with it and make it fall",
@@ -208,13 +203,10 @@ class _Standing:
         """Pairs of geoms that push, so many of them the robot's, which come first."""
         root, model = self.model.body(self.robot.root).id, self.model
         for contact in self.data.contact:
-            alien = {
-                int(g): model.body_rootid[model.geom_bodyid[g]] != root
-                for g in contact.geom
-            }
-            if contact.efc_address >= 0 and sum(alien.values()) == 2 - robots:
-                one, other = sorted(alien, key=alien.__getitem__)
-                yield one, other
+            geoms = [int(geom) for geom in contact.geom]
+            own = model.body_rootid[model.geom_bodyid[geoms]] == root
+            if contact.efc_address >= 0 and own.sum() == robots:
+                yield (geoms[0], geoms[1]) if own[0] else (geoms[1], geoms[0])
 
     def _name(self, geom: int) -> str:
         name = self.model.geom(geom).name

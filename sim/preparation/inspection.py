@@ -48,7 +48,7 @@ def inspected(scenario: Scenario, robot: Robot) -> Facts:
 
     A robot that does not stand, or cannot do what a setting asks for, is refused.
     """
-    lacks, changed = list(overlaps(robot)), changes(robot, scenario)
+    lacks, changed = list(overlaps(robot)), tuple(changes(robot, scenario))
     robot, missing = _with_servos(robot)
     lacks += missing
     world, kinematics = build(robot, scenario), Kinematics(robot)

@@ -30,10 +30,9 @@ def gather(spec: mujoco.MjSpec, robot: Robot) -> dict[str, bytes]:
         base = Path(spec.modelfiledir) / folder
         if element.file:
             element.file = _rename(named, found or base / element.file)
-        if getattr(element, "cubefiles", None) is not None:
-            for i, file in enumerate(element.cubefiles):
-                if file:
-                    element.cubefiles[i] = _rename(named, base / file)
+        for i, file in enumerate(getattr(element, "cubefiles", ())):
+            if file:
+                element.cubefiles[i] = _rename(named, base / file)
         element.compiler.meshdir = element.compiler.texturedir = ""
     spec.compiler.meshdir = spec.compiler.texturedir = ""
     spec.strippath = False

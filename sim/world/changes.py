@@ -12,7 +12,7 @@ from models import Robot
 from models.description import ON_JOINT
 from sim.scenarios.scenario import Scenario
 from sim.world.motors import added_rotors, undamped_joints
-from sim.world.servo_settings import ServoSettings, servo_settings
+from sim.world.servo_settings import servo_settings
 from sim.world.servos import (
     couplings,
     delayed_servos,
@@ -21,24 +21,16 @@ from sim.world.servos import (
 )
 
 
-def changes(robot: Robot, scenario: Scenario) -> tuple[str, ...]:
+def changes(robot: Robot, scenario: Scenario) -> Iterator[str]:
     """One sentence for each change."""
     spec = robot.read()
-    feet = [spec.geom(name) for name in robot.card.feet]
-    motors = _motors(robot, servo_settings(scenario, robot.card))
-    return (*_drives(robot, spec), *motors, *_feet(feet, scenario))
-
-
-def _drives(robot: Robot, spec: mujoco.MjSpec) -> Iterator[str]:
     if others := other_drives(robot):
         yield (
             f"actuators {_listed(others)} move leg joints by tendons, sites or bodies; "
             "they are left out, since every leg joint has a servo"
         )
     if bound := couplings(robot):
-        names = [
-            robot.model.eq(number).name or f"number {number + 1}" for number in bound
-        ]
+        names = [robot.model.eq(n).name or f"number {n + 1}" for n in bound]
         yield (
             f"equations {_listed(names)} couple leg joints; they are switched off, "
             "since every leg joint has a servo"
@@ -51,9 +43,7 @@ def _drives(robot: Robot, spec: mujoco.MjSpec) -> Iterator[str]:
             f"servos of joints {_listed(late)} follow commands through a filter, "
             "behind the others; it is left out"
         )
-
-
-def _motors(robot: Robot, asked: ServoSettings) -> Iterator[str]:
+    asked = servo_settings(scenario, robot.card)
     if added := added_rotors(robot, asked):
         inertia = f"{next(iter(added.values())):.2g}"
         yield (
@@ -66,9 +56,7 @@ def _motors(robot: Robot, asked: ServoSettings) -> Iterator[str]:
             f"the servos of joints {_listed([*springs])} have no damping, or little "
             "for a motor; they are critically damped, set servo_damping to change it"
         )
-
-
-def _feet(feet: list[mujoco.MjsGeom], scenario: Scenario) -> Iterator[str]:
+    feet = [spec.geom(name) for name in robot.card.feet]
     if wide := [foot.name for foot in feet if foot.margin or foot.gap]:
         yield (
             f"feet {_listed(wide)} have a contact margin, which would push them off "
@@ -94,8 +82,7 @@ def overlaps(robot: Robot) -> Iterator[str]:
         if leg == other:
             continue
         pair = model.geom(one).id, model.geom(two).id
-        apart = mujoco.mj_geomDistance(model, data, *pair, 0.0, np.zeros(6))
-        if apart < 0:
+        if (apart := mujoco.mj_geomDistance(model, data, *pair, 0.0, np.zeros(6))) < 0:
             yield (
                 f"feet {one!r} and {two!r} overlap by {-1e3 * apart:.1f} mm where it "
                 "stands; make them smaller, or mount the legs farther apart"

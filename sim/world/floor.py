@@ -89,10 +89,9 @@ def _planes(
         fixed = model.body_weldid[model.geom_bodyid[geom.id]] == 0
         if geom.type == mujoco.mjtGeom.mjGEOM_PLANE and fixed:
             up = np.clip(data.geom_xmat[geom.id, 8], -1, 1)
+            kinds, takes = geom.contype, geom.conaffinity
             apart = [
-                foot.name
-                for foot in feet
-                if not geom.contype & foot.conaffinity | foot.contype & geom.conaffinity
+                f.name for f in feet if not kinds & f.conaffinity | f.contype & takes
             ]
             height = float(data.geom_xpos[geom.id, 2])
             planes.append(_Plane(geom, height, float(np.arccos(up)), apart))
@@ -100,8 +99,8 @@ def _planes(
 
 
 def _refuse_half_a_floor(plane: _Plane, robot: Robot) -> None:
-    touched = len(plane.out_of_reach) < len(robot.card.feet)
-    if not touched or plane.tilt >= WALL:
+    """Refuse a plane that some feet can touch, unless it is a wall."""
+    if len(plane.out_of_reach) == len(robot.card.feet) or plane.tilt >= WALL:
         return
     if plane.tilt >= LEVEL:
         raise ModelError(

@@ -64,13 +64,10 @@ def add_imperfections(
 
 
 def _require_counts(robot: Robot, scenario: Scenario) -> None:
-    joints, legs = len(robot.card.joints), len(robot.legs)
-    for name, count, what, order in (
-        ("zero_offset", joints, "joints", "joint, leg by leg, swing before lift"),
-        ("dead_band", joints, "joints", "joint, leg by leg, swing before lift"),
-        ("assumed_dead_band", joints, "joints", "joint, leg by leg, swing before lift"),
-        ("foot_friction", legs, "feet", "leg, in the order of their numbers"),
-    ):
+    joints = len(robot.card.joints), "joints", "joint, leg by leg, swing before lift"
+    feet = len(robot.legs), "feet", "leg, in the order of their numbers"
+    of_joints = dict.fromkeys(("zero_offset", "dead_band", "assumed_dead_band"), joints)
+    for name, (count, what, order) in {**of_joints, "foot_friction": feet}.items():
         given = getattr(scenario, name)
         if isinstance(given, tuple) and len(given) != count:
             raise UsageError(
@@ -81,11 +78,7 @@ def _require_counts(robot: Robot, scenario: Scenario) -> None:
 
 
 def _require_hold(scenario: Scenario) -> None:
-    """Refuse a floor so steep that the robot slides down it before it walks.
-
-    Feet bear all of the weight, so that friction holds at most what it does on the
-    feet that rub most.
-    """
+    """Refuse a floor too steep even for the feet that rub most, if they bear all."""
     angle, _ = scenario.slope or (0.0, 0.0)
     friction = max(scenario.foot_friction or (scenario.friction,))
     if tan(angle) >= friction:
@@ -101,10 +94,9 @@ def _require_hold(scenario: Scenario) -> None:
 def _stiffen(floor: mujoco.MjsGeom, ratio: float) -> None:
     """Make the floor give way to loose legs as far as to rigid ones.
 
-    The engine takes stiffness and damping of contacts as accelerations, and divides by
-    an impedance d what it multiplies by d / (1 - d) over the mobility of what stands on
-    the floor. Both the odds of d and the mobility grow by the ratio, so that forces
-    stay the same.
+    The engine divides stiffness and damping of a contact by its impedance d, and
+    multiplies by d / (1 - d) over the mobility of what stands on the floor. The odds of
+    d grow with the mobility, by the ratio, so that forces stay the same.
     """
     impedance = floor.solimp[0]
     odds = ratio * impedance / (1 - impedance)
@@ -116,8 +108,7 @@ def _stiffen(floor: mujoco.MjsGeom, ratio: float) -> None:
 def _mobility(spec: mujoco.MjSpec, robot: Robot) -> float:
     """How easily a force moves a foot, as the engine takes it, on average [1/kg]."""
     model = compile_model(spec.copy(), str(robot.path))
-    feet = [model.geom(name).id for name in robot.card.feet]
-    bodies = model.geom_bodyid[feet]
+    bodies = [int(model.geom(name).bodyid[0]) for name in robot.card.feet]
     return float(model.body_invweight0[bodies, 0].mean())
 
 

@@ -12,7 +12,7 @@ not, and is used there.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import mujoco
@@ -136,8 +136,8 @@ STABLE = 1.9  # of `explicitness`, whose limit is 2 where the robot starts
 
 def suitable_integrator(model: mujoco.MjModel) -> mujoco.mjtIntegrator:
     """Euler's where it is stable, and the engine's fast implicit one elsewhere."""
-    stable = explicitness(model) < STABLE
     kinds = mujoco.mjtIntegrator
+    stable = explicitness(model) < STABLE
     return kinds.mjINT_EULER if stable else kinds.mjINT_IMPLICITFAST
 
 
@@ -171,13 +171,11 @@ def explicitness(model: mujoco.MjModel) -> float:
         data.qpos[:], data.qvel[:] = start, velocity
         return forces()
 
-    stiffness = _falls(moved, model.nv)
-    damping = _falls(moving, model.nv) - np.diag(model.dof_damping)
+    nudges = NUDGE * np.eye(model.nv)
+    stiffness, damping = (  # minus the derivatives of forces, by central differences
+        np.stack([after(-s) - after(s) for s in nudges], axis=-1) / (2 * NUDGE)
+        for after in (moved, moving)
+    )
+    damping -= np.diag(model.dof_damping)
     change = np.linalg.solve(inertia, h * damping + h**2 / 2 * stiffness)
     return float(np.linalg.eigvals(change).real.max())
-
-
-def _falls(forces: Callable[[Array], Array], size: int) -> Array:
-    """Minus the derivative of forces, by central differences, shape (nv, nv)."""
-    steps = NUDGE * np.eye(size)
-    return np.stack([forces(-s) - forces(s) for s in steps], axis=-1) / (2 * NUDGE)

@@ -22,15 +22,14 @@ class ServoSettings:
     name: str  # `ideal`, or the make
     stiffness: float | None  # torque an error [N m/rad]
     damping: float | None  # torque a speed [N m s/rad]
-    damping_ratio: float | None  # against the critical one, where no damping is given
-    torque: float | None  # largest [N m]; None for no limit but the file's
-    speed: float | None  # at which no torque is left [rad/s]
+    damping_ratio: float | None = None  # to the critical one, where no damping is given
+    torque: float | None = None  # largest [N m]; None for no limit but the file's
+    speed: float | None = None  # at which no torque is left [rad/s]
     rate: float  # commands a second; 0 for one a physics step
     resolution: float  # angle of a count [rad]; 0 for none
-    armature: float | None  # of the motor behind its gears, where a file has none
-    kind: ServoKind | None  # the make, or what a data sheet gives; None for ideal ones
-    # Whether to make up for loads; None by the stiffness. Loads are rehearsed, or
-    # predicted.
+    armature: float | None = None  # of the motor, where a file has none
+    kind: ServoKind | None = None  # the make, or what a data sheet gives, unless ideal
+    # Whether to make up for loads, rehearsed or predicted; None by the stiffness.
     feed_forward: bool | Literal["predicted"] | None
 
     def feeds_forward(self, stiffness: float) -> bool:
@@ -57,13 +56,8 @@ def servo_settings(scenario: Scenario, card: Card) -> ServoSettings:
         name=make,
         stiffness=scenario.servo_stiffness,
         damping=scenario.servo_damping,
-        damping_ratio=None,
-        torque=None,
-        speed=None,
         rate=scenario.command_rate or 0.0,
         resolution=scenario.resolution or 0.0,
-        armature=None,
-        kind=None,
         feed_forward=scenario.feed_forward,
     )
     if name == "ideal":
@@ -97,12 +91,10 @@ def _kind(name: str, data: Mapping[str, float], scenario: Scenario) -> ServoKind
             'give kind under [servo] in the card, or servo = "ideal"',
         )
     if name.lower() not in KNOWN_SERVOS:
-        known = ("ideal", "own", *KNOWN_SERVOS)
-        remedy = did_you_mean(name.lower(), known)
+        remedy = did_you_mean(name.lower(), ("ideal", "own", *KNOWN_SERVOS))
         raise UsageError(f"servo = {name!r} is unknown", where, remedy)
     try:
         return servo_of(name, data)
     except ValueError as error:
-        raise UsageError(
-            f"servo = {name!r}", where, f"{error}, in servo_data"
-        ) from error
+        remedy = f"{error}, in servo_data"
+        raise UsageError(f"servo = {name!r}", where, remedy) from error

@@ -45,35 +45,31 @@ def ensure_servos(spec: mujoco.MjSpec, robot: Robot, asked: ServoSettings) -> No
 
 def delayed_servos(robot: Robot) -> list[str]:
     """Leg joints of a robot whose position servos follow commands with a delay."""
-    return [
-        a.target
-        for a in robot.read().actuators
-        if a.trntype in ON_JOINT
-        and a.target in robot.card.joints
-        and _is_servo(a)
-        and a.dyntype != mujoco.mjtDyn.mjDYN_NONE
-    ]
+    servos = [s for s in _servos(robot.read()) if s.target in robot.card.joints]
+    return [s.target for s in servos if s.dyntype != mujoco.mjtDyn.mjDYN_NONE]
 
 
 def joints_without_servo(robot: Robot) -> list[str]:
     """Leg joints of a robot that its file gives no position servo."""
-    spec = robot.read()
-    served = {
-        a.target for a in spec.actuators if a.trntype in ON_JOINT and _is_servo(a)
-    }
+    served = {servo.target for servo in _servos(robot.read())}
     return [joint for joint in robot.card.joints if joint not in served]
+
+
+def _servos(spec: mujoco.MjSpec) -> list[mujoco.MjsActuator]:
+    """Position servos on joints."""
+    on_joints = [a for a in spec.actuators if a.trntype in ON_JOINT]
+    return [a for a in on_joints if is_position_servo(a.gainprm[0], a.biasprm[1])]
 
 
 def _only_servo(spec: mujoco.MjSpec, joint: str) -> mujoco.MjsActuator | None:
     """The joint's position servo, after its other actuators have been taken off."""
-    found = None
+    servo = next((s for s in _servos(spec) if s.target == joint), None)
+    kept = servo.name if servo is not None else None
     driving = [a for a in spec.actuators if a.trntype in ON_JOINT and a.target == joint]
     for actuator in driving:
-        if found is None and _is_servo(actuator):
-            found = actuator
-        else:
+        if actuator.name != kept:
             _remove(spec, actuator)
-    return found
+    return servo
 
 
 def _remove(spec: mujoco.MjSpec, actuator: mujoco.MjsActuator) -> None:
@@ -85,10 +81,6 @@ def _remove(spec: mujoco.MjSpec, actuator: mujoco.MjsActuator) -> None:
     spec.delete(actuator)
 
 
-def _is_servo(actuator: mujoco.MjsActuator) -> bool:
-    return is_position_servo(actuator.gainprm[0], actuator.biasprm[1])
-
-
 def _add_servo(spec: mujoco.MjSpec, robot: Robot, joint: str) -> mujoco.MjsActuator:
     servo = robot.card.servo
     if servo is None:
@@ -96,9 +88,8 @@ def _add_servo(spec: mujoco.MjSpec, robot: Robot, joint: str) -> mujoco.MjsActua
             f"joint {joint!r} has no position servo: {robot.path}; "
             "give stiffness and damping under [servo] in the card"
         )
-    actuator = spec.add_actuator(
-        name=joint, target=joint, trntype=mujoco.mjtTrn.mjTRN_JOINT
-    )
+    on = mujoco.mjtTrn.mjTRN_JOINT
+    actuator = spec.add_actuator(name=joint, target=joint, trntype=on)
     plain = mujoco.MjSpec().add_actuator()
     for setting in INHERITED:  # the file's defaults are for its own actuators
         setattr(actuator, setting, getattr(plain, setting))
@@ -163,16 +154,10 @@ def couplings(robot: Robot) -> list[int]:
     model = copy(robot.model)
     model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
     data, dofs = _at_start(model, robot)
-    rows = data.efc_J.reshape(-1, model.nv)
-    return sorted(
-        {
-            int(number)
-            for kind, number, row in zip(data.efc_type, data.efc_id, rows, strict=True)
-            if kind == int(mujoco.mjtConstraint.mjCNSTR_EQUALITY)
-            and model.eq_type[number] in COUPLING
-            and dofs & set(np.flatnonzero(np.abs(row) > MOVES).tolist())
-        }
-    )
+    moved = (np.abs(data.efc_J.reshape(-1, model.nv)) > MOVES)[:, sorted(dofs)]
+    equal = data.efc_type == int(mujoco.mjtConstraint.mjCNSTR_EQUALITY)
+    numbers = np.unique(data.efc_id[equal & moved.any(axis=1)])
+    return numbers[np.isin(model.eq_type[numbers], COUPLING)].tolist()
 
 
 def _at_start(model: mujoco.MjModel, robot: Robot) -> tuple[mujoco.MjData, set[int]]:
@@ -206,8 +191,7 @@ class Channels:
 
         A group's angle is the mean of its legs'; servos lag behind their commands.
         """
-        robot = self.robot
-        joints = robot.swing_joints
+        robot, joints = self.robot, self.robot.swing_joints
         places = [int(self.model.joint(joint).qposadr[0]) for joint in joints]
         standing = np.array([robot.standing_angle(joint) for joint in joints])
         legs = (qpos[:, places] - standing) / robot.swing_gain  # (T, F)
