@@ -11,7 +11,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
-from itertools import combinations, product
+from itertools import chain, combinations, product
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -48,19 +49,13 @@ class Stand:
 def two_groups(limbs: Sequence[Limb], weight: Array, source: str) -> list[Groups]:
     """Ways to make two groups of legs that each stand alone, the surest first."""
     feet = np.array([limb.toe[:2] for limb in limbs])
-    count = len(limbs)
-
-    def surety(group: tuple[int, ...]) -> float:
-        loads = static_loads(feet[list(group)][None], weight[None])[0]
-        balanced = np.abs(loads @ feet[list(group)] - weight).max() < 1e-6
-        return float(loads.min()) if balanced else 0.0
-
-    sure = []
+    count, sure = len(limbs), []
     for size in range(2, count - 3):
         for group in combinations(range(1, count), size):
             one = (0, *group)
             other = tuple(i for i in range(count) if i not in one)
-            if (least := min(surety(one), surety(other))) >= LEAST_LOAD:
+            least = min(_surety(feet[list(g)], weight) for g in (one, other))
+            if least >= LEAST_LOAD:
                 sure.append((least, one, other))
     if not sure:
         raise ModelError(
@@ -69,6 +64,13 @@ def two_groups(limbs: Sequence[Limb], weight: Array, source: str) -> list[Groups
         )
     sure.sort(key=lambda way: -round(way[0], 6))
     return [(group, other) for _, group, other in sure[:MOST_WAYS]]
+
+
+def _surety(feet: Array, weight: Array) -> float:
+    """Least share of the weight on any of some feet; 0 where they do not balance it."""
+    loads = static_loads(feet[None], weight[None])[0]
+    balanced = np.abs(loads @ feet - weight).max() < 1e-6
+    return float(loads.min()) if balanced else 0.0
 
 
 def posed(
@@ -107,13 +109,10 @@ def posed(
 
 def _worth(first: Sequence[Stand], second: Sequence[Stand]) -> Array:
     """Way sideways of a rectangle of two full swings, less for legs much turned."""
-    (one, turn, bend), (other, back, bent) = (
-        (
-            np.array([stand.pivot for stand in side]),
-            np.array([stand.yaw * stand.swing for stand in side]),
-            np.array([np.abs(stand.turns).max() for stand in side]),
-        )
-        for side in (first, second)
+    one, other = (np.array([stand.pivot for stand in s]) for s in (first, second))
+    turn, back = (np.array([s.yaw * s.swing for s in side]) for side in (first, second))
+    bend, bent = (
+        np.array([np.abs(stand.turns).max() for stand in s]) for s in (first, second)
     )
     apart = np.linalg.norm(one[:, None] - other, axis=-1)
     most: Array = np.maximum(bend[:, None], bent)
@@ -144,9 +143,7 @@ def _stands(
         clockwise, anticlockwise = ranges[list(group)].T
         room = np.minimum(anticlockwise - turns, turns - clockwise)
         swing = float((np.minimum(room, MOST_SWING) / gains).min())
-        loads = static_loads(feet[None], weight[None])[0]
-        balanced = np.abs(loads @ feet - weight).max() < 1e-6
-        if swing > LEAST_SWING and balanced and loads.min() > LEAST_LOAD:
+        if swing > LEAST_SWING and _surety(feet, weight) > LEAST_LOAD:
             yaw = 1 / float(ratio.max())
             yield Stand(group, np.array(pivot), turns, gains, yaw, swing, feet)
 
@@ -157,8 +154,7 @@ CLEARANCE = 1e-3  # [m] that parts keep from one another
 Swings = Mapping[int, float]  # place of a limb -> its joint's angle per group's angle
 
 
-@dataclass(frozen=True)
-class Reach:
+class Reach(NamedTuple):
     """How far groups may swing either way."""
 
     swing: float  # [rad]
@@ -178,15 +174,14 @@ def free_reach(
     A lifted group is raised by an angle [rad]. Legs that cannot swing at all are
     refused.
     """
-    rooms = {
-        limbs[place].swing: _room(pose, limbs[place].swing) / abs(gain)
-        for group in groups
-        for place, gain in group.items()
-    }
+    rooms = {}
+    for place, gain in chain.from_iterable(group.items() for group in groups):
+        joint = limbs[place].swing
+        (low, high), angle = pose.span(joint), pose.angle(joint)
+        rooms[joint] = min(high - angle, angle - low) / abs(gain)
     joint = min(rooms, key=rooms.__getitem__)
     farthest = rooms[joint]
-    trial = _Trial(pose, limbs, groups, lift)
-    if first := trial.first_touching(farthest):
+    if first := _Trial(pose, limbs, groups, lift).first_touching(farthest):
         level, (one, other) = first
         if level <= 1:
             raise ModelError(
@@ -196,11 +191,6 @@ def free_reach(
         swing = farthest * (level - 1) / TRIED_ANGLES
         return Reach(swing, f"beyond which {one!r} and {other!r} would touch", True)
     return Reach(farthest, f"which is the range of {joint!r}", False)
-
-
-def _room(pose: Pose, joint: str) -> float:
-    low, high = pose.span(joint)
-    return min(high - pose.angle(joint), pose.angle(joint) - low)
 
 
 class _Trial:

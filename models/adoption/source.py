@@ -94,19 +94,18 @@ def source_of(name: str, allow_external: bool = False) -> Source:
         return Source(path, path, None)
     given = read_file(path).decode(errors="replace")
     found = re.sub(PACKAGE, lambda name: _in_package(path.parent, name), given)
-    drawn = with_rods(path, given, found)
-    if drawn.text == given:
+    drawn, notes = with_rods(path, given, found)
+    if drawn == given:
         inspect_model(path, (), allow_external, LIMITS)
     else:
         with NamedTemporaryFile("w", suffix=".urdf", dir=path.parent) as file:
-            file.write(drawn.text)
+            file.write(drawn)
             file.flush()
             try:
                 inspect_model(Path(file.name), (), allow_external, LIMITS)
             except ModelError as error:
                 raise ModelError(str(error).replace(file.name, str(path))) from error
-    notes = (drawn.note,) if drawn.missing else ()
-    return Source(path, path.with_suffix(".xml"), _from_urdf(path, drawn.text), notes)
+    return Source(path, path.with_suffix(".xml"), _from_urdf(path, drawn), notes)
 
 
 def _in_folder(folder: Path) -> Path:
@@ -160,36 +159,17 @@ SHOWN = 2  # names of meshes in a sentence
 Point = tuple[float, float, float]
 
 
-@dataclass(frozen=True)
-class Skeleton:
-    """A URDF in which every mesh is there, and what it lacked."""
-
-    text: str
-    missing: tuple[str, ...] = ()  # meshes, as they were written
-
-    @property
-    def note(self) -> str:
-        """What was done about meshes that are missing, as a sentence."""
-        more = len(self.missing) - SHOWN
-        names = ", ".join(self.missing[:SHOWN]) + (f" and {more} more" * (more > 0))
-        return (
-            f"its meshes are missing, {names}: links are rods from joint to joint, and "
-            "legs end at twice the distance of their centre of mass; put the meshes "
-            "there, or correct the feet"
-        )
-
-
-def with_rods(path: Path, given: str, text: str) -> Skeleton:
-    """The URDF, its links drawn as rods where their meshes are missing.
+def with_rods(path: Path, given: str, text: str) -> tuple[str, tuple[str, ...]]:
+    """The URDF, links without their meshes drawn as rods, and notes that say so.
 
     The text is what was given, with the files of packages found.
     """
     if "<mesh" not in text or "<!" in text.replace("<!--", ""):  # no entities
-        return Skeleton(text)
+        return text, ()
     try:
         robot, written = ET.fromstring(text), ET.fromstring(given)
     except ET.ParseError:  # the compiler says it better
-        return Skeleton(text)
+        return text, ()
     names = [str(mesh.get("filename")) for mesh in written.iter("mesh")]
     absent = {
         id(mesh): name
@@ -197,7 +177,7 @@ def with_rods(path: Path, given: str, text: str) -> Skeleton:
         if not _exists(path.parent, str(mesh.get("filename")))
     }
     if not absent:
-        return Skeleton(text)
+        return text, ()
     ends = _ends(robot)
     longest = max(_length(end) for found in ends.values() for end in found)
     for link in list(robot.iter("link")):
@@ -206,8 +186,15 @@ def with_rods(path: Path, given: str, text: str) -> Skeleton:
             link.remove(shape)
         if shapes and link.find("collision") is None:
             _draw(path, link, ends[str(link.get("name"))], THICKNESS * longest)
-    missing = tuple(dict.fromkeys(absent.values()))
-    return Skeleton(ET.tostring(robot, encoding="unicode"), missing)
+    missing = list(dict.fromkeys(absent.values()))
+    more = len(missing) - SHOWN
+    shown = ", ".join(missing[:SHOWN]) + (f" and {more} more" * (more > 0))
+    note = (
+        f"its meshes are missing, {shown}: links are rods from joint to joint, and "
+        "legs end at twice the distance of their centre of mass; put the meshes "
+        "there, or correct the feet"
+    )
+    return ET.tostring(robot, encoding="unicode"), (note,)
 
 
 def _exists(folder: Path, name: str) -> bool:
@@ -220,18 +207,16 @@ def _exists(folder: Path, name: str) -> bool:
 
 def _ends(robot: ET.Element) -> dict[str, list[Point]]:
     """Where the next joints of each link are; the end of its rod if there are none."""
-    ends: dict[str, list[Point]] = {
-        str(part.get("name")): [] for part in robot.iter("link")
-    }
+    ends: dict[str, list[Point]] = {}
     for joint in robot.iter("joint"):
-        parent = joint.find("parent")
-        if parent is not None and parent.get("link") in ends:
-            ends[str(parent.get("link"))].append(_place(joint.find("origin")))
-    for link in robot.iter("link"):
-        if not (found := ends[str(link.get("name"))]):
-            x, y, z = _place(link.find("inertial/origin"))
-            found.append((2 * x, 2 * y, 2 * z))
-    return ends
+        if (parent := joint.find("parent")) is not None:
+            place = _place(joint.find("origin"))
+            ends.setdefault(str(parent.get("link")), []).append(place)
+    links = {str(link.get("name")): link for link in robot.iter("link")}
+    for name in links.keys() - ends:
+        x, y, z = _place(links[name].find("inertial/origin"))
+        ends[name] = [(2 * x, 2 * y, 2 * z)]
+    return {name: ends[name] for name in links}
 
 
 def _place(origin: ET.Element | None) -> Point:

@@ -47,11 +47,8 @@ def servos(
     """
     missing = [] if given is None else [j for j in source.joints if j not in given]
     if missing:
-        raise UsageError(
-            f"no servo for joint {missing[0]!r}",
-            "--servo-table",
-            "give each of the robot's joints a servo of its name",
-        )
+        remedy = "give each of the robot's joints a servo of its name"
+        raise UsageError(f"no servo for joint {missing[0]!r}", "--servo-table", remedy)
     make, rate = source.servo.kind, source.servo.rate or rate
     table = servo_table(source.run.card, source.joints, make, PWM[form], given, rate)
     return table.in_microseconds() if microseconds else table

@@ -73,10 +73,8 @@ class ServedWalk:
 
     def walk(self, segment: int) -> Iterator[Row]:
         """Commands of the next segment, planned from where the robot is thought."""
-        self._began = self.time
-        step, self._meant = next_segment(
-            self.setup, self.feedback, segment, self._legs.swing
-        )
+        self._began, swing = self.time, self._legs.swing
+        step, self._meant = next_segment(self.setup, self.feedback, segment, swing)
         scheduler = self._scheduler()
         scheduler.segment = segment
         schedule_flows(self.setup, scheduler, step.plan.segments())
@@ -86,18 +84,10 @@ class ServedWalk:
         """Tell feedback what was seen after a segment: x, y, yaw, NaN if it was not."""
         now, reading = self.time, np.array([*told, np.nan])
         unknown = np.full(3, np.nan)  # nobody knows where a real robot truly is
-        self.stops.append(
-            stop_after(
-                self.feedback,
-                segment,
-                now,
-                now - self._began,
-                self._meant,
-                reading,
-                unknown,
-            )
-        )
-        return self.stops[-1]
+        moved = now - self._began, self._meant
+        stop = stop_after(self.feedback, segment, now, *moved, reading, unknown)
+        self.stops.append(stop)
+        return stop
 
     def _scheduler(self) -> Scheduler:
         return Scheduler(self.setup.limits, self._legs, self._steps)
@@ -108,12 +98,9 @@ class ServedWalk:
     def _rows(self, schedule: Schedule) -> Iterator[Row]:
         torques, borne = self._beforehand.torques(schedule)
         self._legs, self._steps = schedule.end, schedule.stop
-        ctrl = np.concatenate(
-            list(self._drive.commands(schedule, torques, borne=borne))
-        )
-        given = taken(
-            ctrl, self.joints, self._actuators, self.rate, self.setup.limits.timestep
-        )
+        rows = [*self._drive.commands(schedule, torques, borne=borne)]
+        clock = self.rate, self.setup.limits.timestep
+        given = taken(np.concatenate(rows), self.joints, self._actuators, *clock)
         for angles in given.angles:
             self._last = angles
             yield self.time, angles

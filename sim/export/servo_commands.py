@@ -39,42 +39,34 @@ class ServoCommands:
         time: Array = np.arange(len(self.angles)) / self.rate
         return time
 
-    def held(
-        self, rest: Array, actuators: Array, steps: int, timestep: float
+    def rows(
+        self,
+        rest: Array,
+        actuators: Array,
+        steps: int,
+        timestep: float,
+        interpolated: bool = False,
     ) -> Iterator[Array]:
-        """Rows of ctrl, one a physics step, shape (n, nu) each; the last command holds.
+        """Rows of ctrl, one a physics step, shape (n, nu) each.
 
-        Actuators that have no servo here keep their commands at rest, shape (nu,).
+        Commands hold until the next one, and the last to the end; interpolated, angles
+        move evenly from each to the next. Actuators that have no servo here keep their
+        commands at rest, shape (nu,).
         """
         pace, last = self.rate * timestep, len(self.angles) - 1
-        for row in _stretches(steps):
-            number = np.minimum(command_at(row, pace), last)
-            yield _laid(rest, actuators, self.angles[number])
-
-    def interpolated(
-        self, rest: Array, actuators: Array, steps: int, timestep: float
-    ) -> Iterator[Array]:
-        """The same with angles that move evenly from each command to the next one."""
-        pace, last = self.rate * timestep, len(self.angles) - 1
-        for row in _stretches(steps):
-            when = np.minimum(row * pace, last)
-            number = np.minimum(when.astype(int), max(last - 1, 0))
-            part = (when - number)[:, None]
-            after = self.angles[np.minimum(number + 1, last)]
-            yield _laid(
-                rest, actuators, (1 - part) * self.angles[number] + part * after
-            )
-
-
-def _stretches(steps: int) -> Iterator[Array]:
-    for begin in range(0, steps, STRETCH):
-        yield np.arange(begin, min(begin + STRETCH, steps))
-
-
-def _laid(rest: Array, actuators: Array, angles: Array) -> Array:
-    ctrl = np.tile(rest, (len(angles), 1))
-    ctrl[:, actuators] = angles
-    return ctrl
+        for begin in range(0, steps, STRETCH):
+            row = np.arange(begin, min(begin + STRETCH, steps))
+            ctrl = np.tile(rest, (len(row), 1))
+            if interpolated:
+                when = np.minimum(row * pace, last)
+                number = np.minimum(when.astype(int), max(last - 1, 0))
+                part = (when - number)[:, None]
+                after = self.angles[np.minimum(number + 1, last)]
+                ctrl[:, actuators] = (1 - part) * self.angles[number] + part * after
+            else:
+                number = np.minimum(command_at(row, pace), last)
+                ctrl[:, actuators] = self.angles[number]
+            yield ctrl
 
 
 def taken(

@@ -68,12 +68,10 @@ class ServoTable:
     def __post_init__(self) -> None:
         for before, servo in pairwise(self.channels):
             if before.channel == servo.channel:
-                raise UsageError(
-                    f"{before.joint!r} and {servo.joint!r} are both on channel "
-                    f"{servo.channel}",
-                    "the servo table",
-                    "give every joint a channel of its own",
-                )
+                joints = f"{before.joint!r} and {servo.joint!r}"
+                what = f"{joints} are both on channel {servo.channel}"
+                remedy = "give every joint a channel of its own"
+                raise UsageError(what, "the servo table", remedy)
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -82,19 +80,15 @@ class ServoTable:
 
     def in_microseconds(self) -> ServoTable:
         """The same servos, commanded by the length of pulses instead of counts."""
-        length = 1e6 / (FRAME * self.frame_rate)
-        channels = (
-            replace(
-                servo,
-                center=servo.center * length,
-                counts_per_radian=servo.counts_per_radian * length,
-            )
-            for servo in self.channels
+        length, longest = 1e6 / (FRAME * self.frame_rate), round(1e6 / self.frame_rate)
+        counts = [
+            (s.center * length, s.counts_per_radian * length) for s in self.channels
+        ]
+        channels = tuple(
+            replace(servo, center=center, counts_per_radian=per_radian)
+            for servo, (center, per_radian) in zip(self.channels, counts, strict=True)
         )
-        frame = round(1e6 / self.frame_rate)
-        return replace(
-            self, channels=tuple(channels), largest=frame - 1, microseconds=True
-        )
+        return replace(self, channels=channels, largest=longest - 1, microseconds=True)
 
     def counts(self, commands: ServoCommands) -> Array:
         """Whole counts of commands in the servos' range, by channel, (K, J)."""
@@ -165,12 +159,11 @@ def _require_counts(joints: Sequence[str], known: Mapping[str, JointServo]) -> N
     for joint in joints:
         servo = known.get(joint, JointServo())
         if servo.counts_per_radian is None or servo.center is None:
-            raise UsageError(
-                f"pulses for servos on a bus: that of joint {joint!r} takes none",
-                "--format",
-                "take --format dynamixel, or give center and counts_per_radian under "
-                f"[servo.{joint}] in the card",
+            what = f"pulses for servos on a bus: that of joint {joint!r} takes none"
+            give = (
+                f"give center and counts_per_radian under [servo.{joint}] in the card"
             )
+            raise UsageError(what, "--format", f"take --format dynamixel, or {give}")
 
 
 def _channel(

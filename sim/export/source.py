@@ -142,8 +142,8 @@ def _recorded(
     order = [commands.joints.index(joint) for joint in source.joints]
     ordered = ServoCommands(source.joints, commands.rate, commands.angles[:, order])
     rest = source.model.key("start").ctrl
-    lay = ordered.interpolated if interpolated else ordered.held
-    pieces = lay(rest, source.actuators, source.steps, source.timestep)
+    length = source.steps, source.timestep
+    pieces = ordered.rows(rest, source.actuators, *length, interpolated=interpolated)
     for done in recorder.play(pieces, np.union1d(steps, [starts])):
         progress("playing", done / source.steps)
     return recorder.finish()

@@ -30,7 +30,7 @@ def test_commands_that_are_held_are_taken_again_unchanged(rate):
     angles = rows(40)[:, :2]
     commands = ServoCommands(JOINTS, rate, angles)
     steps = int(40 / rate / TIMESTEP)
-    held = list(commands.held(np.array([9.0, 8, 7, 6]), ACTUATORS, steps, TIMESTEP))
+    held = list(commands.rows(np.array([9.0, 8, 7, 6]), ACTUATORS, steps, TIMESTEP))
     ctrl = np.concatenate(held)
     assert ctrl.shape == (steps, 4)
     assert (ctrl[:, [1, 3]] == [8.0, 6.0]).all()
@@ -41,13 +41,13 @@ def test_commands_that_are_held_are_taken_again_unchanged(rate):
 
 def test_the_last_command_holds_to_the_end():
     commands = ServoCommands(JOINTS, 50.0, rows(3)[:, :2])
-    ctrl = np.concatenate(list(commands.held(np.zeros(4), ACTUATORS, 9000, TIMESTEP)))
+    ctrl = np.concatenate(list(commands.rows(np.zeros(4), ACTUATORS, 9000, TIMESTEP)))
     assert (ctrl[80:, ACTUATORS] == commands.angles[2]).all()
 
 
 def test_interpolated_commands_are_lines_between_those_that_are_given():
     commands = ServoCommands(JOINTS, 50.0, rows(4)[:, :2])
-    given = commands.interpolated(np.zeros(4), ACTUATORS, 9000, TIMESTEP)
+    given = commands.rows(np.zeros(4), ACTUATORS, 9000, TIMESTEP, interpolated=True)
     ctrl = np.concatenate(list(given))[:, ACTUATORS]
     assert ctrl[:121:40] == pytest.approx(commands.angles)  # every 20 ms
     between = (commands.angles[0] + 3 * commands.angles[1]) / 4
