@@ -11,7 +11,7 @@ from PIL import Image
 from models import SERVO_KINDS, Kinematics, load
 from models.description import board_divider
 from sim.cli import main
-from sim.export import joint_pictures
+from sim.export import calibration
 from sim.export.calibration import joint_servo, marks, strokes
 from sim.export.header import read_header
 from sim.export.servo_table import servo_table
@@ -73,7 +73,7 @@ class Board:
 @pytest.fixture
 def calibrate(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(joint_pictures, "draw", lambda *_, **__: None)
+    monkeypatch.setattr(calibration, "draw", lambda *_, **__: None)
 
     def begin(answer, *words):
         monkeypatch.setattr("builtins.input", answer)
@@ -207,7 +207,7 @@ def test_what_is_not_calibrated_is_not_checked(calibrate, capsys):
 
 
 def test_packets_are_those_of_the_makers_manuals():
-    script = Path(joint_pictures.__file__).with_name("bus.txt")
+    script = Path(calibration.__file__).with_name("bus.txt")
     packets = runpy.run_path(str(script))["packets"]
     torque, goal = packets("ax-12", 1, 512)[:8], packets("ax-12", 1, 512)[8:]
     assert torque == bytes.fromhex("ffff01040318 01de")
@@ -223,7 +223,7 @@ def test_packets_are_those_of_the_makers_manuals():
 @pytest.mark.usefixtures("driver")
 def test_each_joint_is_drawn_at_both_marks_in_colour(tmp_path):
     robot = load(ROBOT)
-    joint_pictures.draw(robot, tmp_path, allow_external=False)
+    calibration.draw(robot, tmp_path, allow_external=False)
     for joint in robot.card.joints:
         picture = np.asarray(Image.open(tmp_path / f"{joint}.png")).astype(int)
         red = picture[..., 0] > picture[..., 1:].max(axis=-1) + 60
@@ -236,10 +236,10 @@ def test_each_joint_is_drawn_at_both_marks_in_colour(tmp_path):
 
 def test_the_sheet_has_its_size_and_a_ring_of_a_degree_for_each_foot(tmp_path):
     robot = load(ROBOT)
-    joint_pictures.sheet(robot, tmp_path / "feet.svg")
+    calibration.sheet(robot, tmp_path / "feet.svg")
     text = (tmp_path / "feet.svg").read_text()
     points = [float(n) for n in re.findall(r'(?:width|height)="([\d.]+)pt"', text)]
     feet = Kinematics(robot).standing.feet
-    edge = 4 * joint_pictures.SHEET_EDGE  # two on every side
+    edge = 4 * calibration.SHEET_EDGE  # two on every side
     assert np.array(points) / 72 * 0.0254 == pytest.approx(np.ptp(feet, axis=0) + edge)
     assert text.count("leg ") >= 6
