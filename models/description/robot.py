@@ -171,7 +171,7 @@ class Robot:
         """The file compiled as it stands: for kinematics, masses and joint ranges."""
         return compile_model(self.read(), str(self.path))
 
-    @property
+    @cached_property
     def root(self) -> str:
         """Name of the body that carries the free joint."""
         return str(self.model.body(root_body(self.model, self.path)).name)

@@ -99,12 +99,12 @@ def equations(robot: Robot, fields: Fields = "lifted") -> Equations:
         >>> equations(load("hexapod"), "paper").elements
         ('g12_1', 'g12_2', 'g1_2', 'g2_1', '[g12_1,g12_2]')
     """
-    card = robot.card
-    swings = [swing for stratum in card.strata for swing in _swings(robot, stratum)]
+    card, kinematics = robot.card, Kinematics(robot)
+    swings = [s for stratum in card.strata for s in _swings(kinematics, stratum)]
     contacts = {name: name for name in card.strata}
     # a robot that rows in patterns on all feet is centred by stepping in between
     centred: StanceRule = "stepped" if card.patterns else "centred"
-    feet_radius = Kinematics(robot).reach  # turns radians into metres
+    feet_radius = kinematics.reach  # turns radians into metres
     return Equations(
         system=walking_system(robot.groups, contacts, swings, radius=feet_radius),
         elements=_elements(robot, swings, fields),
@@ -116,18 +116,20 @@ def equations(robot: Robot, fields: Fields = "lifted") -> Equations:
     )
 
 
-def _swings(robot: Robot, stratum: str) -> Iterator[Swing]:
+def _swings(kinematics: Kinematics, stratum: str) -> Iterator[Swing]:
     """Swings on a stratum: single groups, or patterns in place of those that stand."""
+    robot = kinematics.robot
     patterns = robot.card.patterns
     for i, group in enumerate(robot.groups):
         if group not in stratum:
             yield Swing(stratum, str(i + 1), _unit(robot, i), None)
         elif not patterns:
-            yield Swing(stratum, str(i + 1), _unit(robot, i), group_twist(robot, group))
+            twist = group_twist(kinematics, group)
+            yield Swing(stratum, str(i + 1), _unit(robot, i), twist)
     for name, pattern in patterns.items():
         if stratum in pattern.strata:
             direction = tuple(pattern.groups.get(g, 0.0) for g in robot.groups)
-            twist = pattern.twist or twist_at_rest(robot, stratum, direction)
+            twist = pattern.twist or twist_at_rest(kinematics, stratum, direction)
             yield Swing(stratum, name, direction, twist)
 
 
@@ -135,20 +137,23 @@ def _unit(robot: Robot, index: int) -> Direction:
     return tuple(float(i == index) for i in range(len(robot.groups)))
 
 
-def group_twist(robot: Robot, group: str) -> Twist:
+def group_twist(kinematics: Kinematics, group: str) -> Twist:
     """Body twist per radian of one group's swing, that group alone standing.
 
     The card's claim where it makes one, contact kinematics otherwise.
     """
+    robot = kinematics.robot
     if claimed := robot.card.groups[group].twist:
         return claimed
-    return twist_at_rest(robot, group, _unit(robot, robot.groups.index(group)))
+    return twist_at_rest(kinematics, group, _unit(robot, robot.groups.index(group)))
 
 
-def twist_at_rest(robot: Robot, stratum: str, direction: Direction) -> Twist:
+def twist_at_rest(
+    kinematics: Kinematics, stratum: str, direction: Direction
+) -> Twist:
     """Body twist by contact kinematics, all legs at angle 0 and equally soft."""
+    robot, stance = kinematics.robot, kinematics.standing
     on = robot.planted(stratum)
-    stance = Kinematics(robot).standing
     feet, moved = stance.feet[on][None], np.array(direction)[robot.group_of_leg, None]
     rates = (stance.rates * moved)[on][None]
     loads = static_loads(feet, stance.center_of_mass[None])

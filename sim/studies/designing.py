@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from models import ModelError, Robot, equations, mobility_of
+from models import Kinematics, ModelError, Robot, equations, mobility_of
 from models.motion import group_twist
 from planner import PlannerError
 from sim.errors import StratawalkError, one_line
@@ -105,7 +105,7 @@ class Twists:
     def _of(self, robot: Robot, name: str, key: tuple[tuple[int, int], ...]) -> Any:
         if key not in self._known:
             try:
-                self._known[key] = np.array(group_twist(robot, name))
+                self._known[key] = np.array(group_twist(Kinematics(robot), name))
             except ModelError:  # these legs do not stand
                 self._known[key] = None
         return self._known[key]
