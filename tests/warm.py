@@ -1,9 +1,14 @@
-"""Loads what commands need, once, in the process from which tests fork them."""
+"""Does what commands begin with, once, in the process from which tests fork them.
 
+Sympy remembers what it has compiled, and libraries load parts of theirs at first use.
+"""
+
+from contextlib import redirect_stdout
 from importlib import import_module
+from io import StringIO
 
 import sim
-from models import equations, load
+from sim.cli import main
 from sim.commands.parsing import COMMANDS
 
 for name in dir(sim):
@@ -12,4 +17,5 @@ for module in COMMANDS.values():
     import_module(f"sim.commands.{module}")
 for name in ("sim.reports.page", "matplotlib.backends.backend_svg"):
     import_module(name)
-equations(load("hexapod"))
+with redirect_stdout(StringIO()):
+    main(["plan", "line", "--segments", "4"])

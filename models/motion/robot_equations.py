@@ -148,9 +148,7 @@ def group_twist(kinematics: Kinematics, group: str) -> Twist:
     return twist_at_rest(kinematics, group, _unit(robot, robot.groups.index(group)))
 
 
-def twist_at_rest(
-    kinematics: Kinematics, stratum: str, direction: Direction
-) -> Twist:
+def twist_at_rest(kinematics: Kinematics, stratum: str, direction: Direction) -> Twist:
     """Body twist by contact kinematics, all legs at angle 0 and equally soft."""
     robot, stance = kinematics.robot, kinematics.standing
     on = robot.planted(stratum)

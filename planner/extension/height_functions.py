@@ -76,7 +76,7 @@ class StratifiedPanels:
     @cached_property
     def _functions(self) -> dict[str, sp.Expr]:
         return {
-            name: sp.lambdify(self.angles, height, "numpy")
+            name: sp.lambdify(self.angles, height, np)
             for name, height in self.heights.items()
         }
 

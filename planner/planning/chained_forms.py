@@ -84,9 +84,7 @@ class ChainedForm:
     @cached_property
     def _value(self) -> Callable[..., list[float]]:
         state, z = self.system.state, self.coordinates
-        return cast(
-            Callable[..., list[float]], sp.lambdify(state, z, "numpy", cse=True)
-        )
+        return cast(Callable[..., list[float]], sp.lambdify(state, z, np, cse=True))
 
     def at(self, x: ArrayLike) -> Array:
         """Coordinates z of a configuration, both of shape (n,)."""

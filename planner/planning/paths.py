@@ -10,11 +10,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-import sympy as sp
 from numpy.typing import ArrayLike
 
 from planner.numerics.arrays import Array
-from planner.systems.formulas import read_formula
 
 COLUMNS = ("x", "y", "yaw")  # [m], [m], [rad]
 ARC_PRECISION = 1e-12  # of the arc length, relative
@@ -55,8 +53,10 @@ def line(start: ArrayLike, goal: ArrayLike) -> Path:
 
 def ellipse_perimeter(semi_axes: Sequence[float]) -> float:
     """Length of an ellipse once around, in the unit of its semi-axes."""
+    from sympy import elliptic_e  # slow to import, and seldom needed
+
     minor, major = sorted(semi_axes)
-    return 4 * major * float(sp.elliptic_e(1 - (minor / major) ** 2))
+    return 4 * major * float(elliptic_e(1 - (minor / major) ** 2))
 
 
 def waypoints(points: Sequence[ArrayLike]) -> Path:
@@ -184,6 +184,10 @@ def formula_curve(formulas: Mapping[str, object]) -> tuple[Path, float]:
 
     Formulas or numbers have the names of `COLUMNS`; those missing are 0.
     """
+    import sympy as sp  # slow to import, and seldom needed
+
+    from planner.systems.formulas import read_formula
+
     s = sp.Symbol("s", real=True)
     exprs = []
     for name in COLUMNS:
@@ -191,8 +195,8 @@ def formula_curve(formulas: Mapping[str, object]) -> tuple[Path, float]:
         if isinstance(text, bool) or not isinstance(text, str | int | float):
             raise ValueError(f"{name} is {text!r}; write a formula of s")
         exprs.append(read_formula(text, [s]))
-    pose = [sp.lambdify(s, e, modules="numpy") for e in exprs]
-    rate = [sp.lambdify(s, sp.diff(e, s), modules="numpy") for e in exprs[:2]]
+    pose = [sp.lambdify(s, e, modules=np) for e in exprs]
+    rate = [sp.lambdify(s, sp.diff(e, s), modules=np) for e in exprs[:2]]
 
     def at(parameters: Array) -> Array:
         with np.errstate(all="ignore"):

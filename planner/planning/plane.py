@@ -212,7 +212,7 @@ class Plane:
     @cached_property
     def _place(self) -> Callable[..., list[float]]:
         found: Callable[..., list[float]] = sp.lambdify(
-            self.system.state, self.outputs, "numpy", cse=True
+            self.system.state, self.outputs, np, cse=True
         )
         return found
 
@@ -221,7 +221,7 @@ class Plane:
         own = self.system.fields[self.drive]
         rows = sp.Matrix(self.outputs).jacobian(self.system.state) * sp.Matrix(own)
         state = self.system.state
-        found: Callable[..., list[float]] = sp.lambdify(state, list(rows), "numpy")
+        found: Callable[..., list[float]] = sp.lambdify(state, list(rows), np)
         return found
 
 

@@ -56,7 +56,7 @@ def _inner_rate(part: sp.Expr, rate: Callable[[sp.Expr], sp.Expr]) -> sp.Expr:
 def _values(expression: sp.Expr, state: Symbols) -> Array:
     """Values of an expression near zero, where they are finite."""
     points = NEARBY * sample_configurations(len(state))
-    function = sp.lambdify(state, expression, modules="numpy", cse=True)
+    function = sp.lambdify(state, expression, modules=np, cse=True)
     with np.errstate(all="ignore"):
         values = np.array([function(*x) for x in points], dtype=float)
     return values[np.isfinite(values)]

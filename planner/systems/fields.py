@@ -245,7 +245,7 @@ def compile_fields(
             else:
                 constant[i, j] = float(entry)
     function = sp.lambdify(
-        state, [*varying.values()], [KINKS, "numpy"], cse=True, dummify=True
+        state, [*varying.values()], [KINKS, np], cse=True, dummify=True
     )
     names = tuple(names) or tuple(f"field {j + 1}" for j in range(len(fields)))
     return CompiledFields(names, constant, tuple(varying), function, tuple(numeric))

@@ -77,7 +77,7 @@ class WeighedValues:
             value = np.asarray(float(entry) if entry.is_extended_real else np.nan)
             return value, np.abs(value)
         if not all(isinstance(part, sp.Expr) for part in entry.args):  # such as cases
-            function = sp.lambdify(self._state, entry, modules=[KINKS, "numpy"])
+            function = sp.lambdify(self._state, entry, modules=[KINKS, np])
             value = np.asarray(function(*self.points.T), dtype=float)
             return value, np.abs(value)
         parts = [self._weighed(part) for part in entry.args]
@@ -137,6 +137,6 @@ def _function(function: type[sp.Expr], count: int) -> Callable[..., Array]:
         return np.float_power
     arguments = [sp.Dummy(real=True) for _ in range(count)]
     compiled: Callable[..., Array] = sp.lambdify(
-        arguments, function(*arguments, evaluate=False), modules=[KINKS, "numpy"]
+        arguments, function(*arguments, evaluate=False), modules=[KINKS, np]
     )
     return compiled

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from scipy.ndimage import gaussian_filter1d
 
 from planner import Array
 from planner.support import did_you_mean
@@ -128,13 +127,21 @@ def camera(walk: Run, clock: Clock, view: View = ACROSS) -> Camera:
     seen = _seen(walk, clock)
     centre, fitting = _fit(seen, looks, elevation)
     distance = min(fitting, view.farthest * walk.reach)
-    body = np.insert(walk.achieved[clock.rows, :2], 2, 0.0, axis=1)
-    calm = gaussian_filter1d(body, CALM * FRAME_RATE, axis=0, mode="nearest")
     follow = min(1.0, 2 * (1 - distance / fitting))  # leaves room for the robot itself
+    if follow > 0:
+        centre = centre + follow * (_calm(walk, clock) - centre)
     _, right, up = _axes(azimuth, elevation)
     aside = (MIDDLE[0] * HALF_WIDTH * right + MIDDLE[1] * HALF_HEIGHT * up) * distance
-    target = centre + follow * (calm - centre) - aside
-    return Camera(target, azimuth, distance, elevation)
+    return Camera(centre - aside, azimuth, distance, elevation)
+
+
+def _calm(walk: Run, clock: Clock) -> Array:
+    """The body's way over the floor without its quick motion, (frames, 3) [m]."""
+    from scipy.ndimage import gaussian_filter1d  # slow to import, and seldom needed
+
+    body = np.insert(walk.achieved[clock.rows, :2], 2, 0.0, axis=1)
+    calm: Array = gaussian_filter1d(body, CALM * FRAME_RATE, axis=0, mode="nearest")
+    return calm
 
 
 def _seen(walk: Run, clock: Clock) -> Array:
