@@ -16,7 +16,7 @@ from scripts.endings import Bounds, Ending, ending, other
 from scripts.fuzz import KINDS, answer, decided, fault, main
 
 ROOT = Path(__file__).resolve().parents[2]
-BRIEF, LONG = 15, 30  # [s], for all kinds of input together and for each by itself
+BRIEF, LONG = 5, 30  # [s], for all kinds of input together and for each by itself
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ from sim.runs.in_memory import trajectory
 from sim.scenarios.file import load_scenario
 from sim.walking.walker import Walker
 from sim.walking.walks import carry_out
+from tests.walks import COSTLY
 
 pytestmark = pytest.mark.physics
 
@@ -26,7 +27,7 @@ BESIDE = {
 def run(name, **changes):
     setup, _ = within_bounds(routed(prepare(load_scenario(name, changes))))
     planned = None if setup.scenario.replan else plan_open_loop(setup)
-    evaluation = evaluate(carry_out(Walker(setup), planned), ["creep_floor"])
+    evaluation = evaluate(carry_out(Walker(setup), planned), COSTLY)
     return summarise(evaluation), dict(trajectory(evaluation))
 
 

@@ -21,6 +21,8 @@ from tests.commands import COMMAND, OUTSIDE, refusal, told
 
 SHORT = ("run", "line", "--segments", "2", "--set", "path.goal=[0.01, 0.01, 0]")
 """A walk of two segments and a few seconds."""
+QUICK = (*SHORT, "--set", 'predictions=["quasi_static"]')
+"""The same without the predictions that take longer than it."""
 
 
 @pytest.mark.parametrize(
@@ -192,14 +194,14 @@ def test_written_scenario_runs_again_to_the_same_numbers(stratawalk, tmp_path):
         del summary["timing"]
         return summary
 
-    first = numbers("a", *SHORT, "--fields", "paper", "--set", "friction=0.7")
+    first = numbers("a", *QUICK, "--fields", "paper", "--set", "friction=0.7")
     assert numbers("b", "run", "a/scenario.toml") == first
     assert first["fields"] == "paper"
 
 
 @pytest.mark.physics
 def test_run_without_a_driver_warns_in_one_line_and_walks(stratawalk, tmp_path):
-    done = stratawalk(*SHORT, MUJOCO_GL="disabled")
+    done = stratawalk(*QUICK, MUJOCO_GL="disabled")
     assert done.returncode == 0
     (line,) = told(done.stderr)
     assert line.startswith("stratawalk: warning: no film: ")

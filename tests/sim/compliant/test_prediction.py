@@ -19,7 +19,8 @@ LEFT_OUT = ("identified", "creep_floor")
     [
         # the largest distance on the way, measured 0.04, 0.03 and 0.23 mm
         ("hexapod", [0.01, 0.01, 0.0], 6e-5),
-        ("octopod", [0.03, 0.0, 0.0], 6e-5),
+        # its legs are moved in groups as those of the hexapod are
+        pytest.param("octopod", [0.03, 0.0, 0.0], 6e-5, marks=pytest.mark.full),
         ("quadruped", [0.02, 0.0, 0.0], 3e-4),
     ],
 )
@@ -56,8 +57,8 @@ def off_quasi_static(stiffness, grip=None):
 
 
 def test_stiff_robots_on_stiff_floors_move_as_the_quasi_static_prediction_has_it():
-    off = [off_quasi_static(stiffness) for stiffness in (30.0, 100.0, 300.0)]
-    assert off[0] > 3 * off[1] > 9 * off[2]
+    off = [off_quasi_static(stiffness) for stiffness in (30.0, 300.0)]
+    assert off[0] > 9 * off[1]
 
 
 def test_feet_that_rub_less_across_their_legs_do_so_in_both_predictions():

@@ -14,8 +14,12 @@ from sim.folder import RunFolder
 from sim.run_folder import run
 from sim.scenarios.body_path import line
 from sim.scenarios.scenario import Scenario
+from tests.walks import COSTLY
 
-SHORT = ("--robot", "hexapod-classroom", "--segments", "1")
+SHORT = (
+    *("--robot", "hexapod-classroom", "--segments", "1"),
+    *("--set", 'predictions=["quasi_static"]'),
+)
 
 
 @pytest.fixture(scope="module")
@@ -25,7 +29,9 @@ def classroom(tmp_path_factory):
     path = line((0.01, 0.0, 0.0))
     robot = "hexapod-classroom"
     summary = run(
-        Scenario(name="short", robot=robot, segments=1, path=path), RunFolder(folder)
+        Scenario(name="short", robot=robot, segments=1, path=path),
+        RunFolder(folder),
+        without=COSTLY,
     )
     return folder, summary
 

@@ -97,7 +97,7 @@ def test_no_random_walk_is_quicker():
     """Strokes and recoveries drawn at random, for the goal that they happen to meet."""
     setup = prepare(load_scenario("line"))
     judge, rng = Judge(setup), np.random.default_rng(4)
-    for _ in range(5):
+    for _ in range(2):
         flows, turned, farthest = [], 0.0, 0.0
         for k in range(8):
             own, angle = k % 2 + 1, float(rng.uniform(0.1, 0.4)) * (-1) ** (k // 2)

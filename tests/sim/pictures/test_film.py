@@ -170,8 +170,9 @@ def test_a_film_needs_neither_the_current_folder_nor_an_empty_environment(
     (elsewhere / "sim" / "__init__.py").write_text("raise ImportError('not this one')")
     monkeypatch.chdir(elsewhere)
     monkeypatch.setenv("MUJOCO_GL", "banana")
-    told = []
-    assert film_folder(folder, progress=told.append) == folder / "video.mp4"
+    told, film = [], folder / "stretch.mp4"
+    short = {"stretch": (0.0, 1.0), "path": film}
+    assert film_folder(folder, **short, progress=told.append) == film
     assert told[-1] == pytest.approx(1.0)
     assert told == sorted(told)
     assert [path.name for path in elsewhere.iterdir()] == ["sim"]

@@ -184,7 +184,12 @@ def test_a_margin_that_takes_too_many_segments_is_refused_with_what_can_be_kept(
         bounded(min_margin=0.0535)
 
 
-@REPLAN
+@pytest.mark.parametrize(
+    "replan",
+    # replanned it takes five times as long, to say what is said of margins, too
+    [False, pytest.param(True, marks=pytest.mark.full)],
+    ids=["open", "replanned"],
+)
 def test_a_passage_is_walked_through_clear_of_its_walls(passage, replan):
     """The clearance of the prediction, found densely by the engine's own distances."""
     room = 0.012

@@ -120,7 +120,7 @@ def test_settings_that_matter_tell_scenarios_apart(plain):
 @pytest.mark.physics
 def test_a_walk_that_shares_has_the_numbers_of_one_that_does_not(plain):
     shared = Shared()
-    short = replace(plain, segments=1, swing_speed=1.0, timestep=0.001)
+    short = replace(plain, segments=1, swing_speed=1.0, timestep=0.001, hold=0.1)
     first = replace(short, path=line((0.004, 0.004, 0.0)))
     points = [
         (first, ("compliant",)),

@@ -21,6 +21,7 @@ from sim.scenarios.body_path import line
 from sim.scenarios.scenario import Scenario
 from sim.simulation import simulate
 from tests.browser import ask
+from tests.walks import COSTLY
 
 SEEN = """
 const shown = (e) => e && getComputedStyle(e).display !== "none";
@@ -194,7 +195,7 @@ def test_show_draws_the_report_again_and_prints_its_path(folder, capsys):
 
 def test_a_run_without_a_creep_floor_says_nothing_of_it(tmp_path):
     short = Scenario(name="short", segments=1, path=line((0.01, 0.0, 0.0)))
-    done = simulate(short, without=("identified", "compliant", "creep_floor"))
+    done = simulate(short, without=COSTLY)
     folder = write(done, tmp_path / "run")
     page = (folder / NAME).read_text()
     assert "Its feet slipped" in page
@@ -235,7 +236,8 @@ def test_a_browser_opens_only_where_there_is_a_display(
 def test_a_report_that_cannot_be_written_leaves_the_run(scenario, tmp_path):
     (tmp_path / NAME).mkdir()
     told = []
-    summary = run(scenario(timestep=0.002), RunFolder(tmp_path), warn=told.append)
+    short = scenario(timestep=0.002)
+    summary = run(short, RunFolder(tmp_path), warn=told.append, without=COSTLY)
     assert summary["verdict"]
     assert (tmp_path / "summary.json").exists()
     (line,) = told

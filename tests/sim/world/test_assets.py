@@ -14,6 +14,7 @@ from sim.run_folder import run
 from sim.scenarios.body_path import line
 from sim.scenarios.file import load_scenario
 from sim.world.model import build, load as load_world
+from tests.walks import COSTLY
 
 PLATE = (0.085, 0.13, 0.008)  # half sizes of the shipped body plate [m]
 HEAD = """
@@ -92,7 +93,8 @@ def test_a_run_of_meshes_replays_in_bare_mujoco_wherever_it_is_moved(
     made = tmp_path / "run"
     made.mkdir()
     path = line((0.005, 0.0, 0.0))
-    run(scenario(robot=str(hexapod_of_meshes), path=path, segments=1), RunFolder(made))
+    given = scenario(robot=str(hexapod_of_meshes), path=path, segments=1)
+    run(given, RunFolder(made), without=COSTLY)
     moved = made.rename(tmp_path / "elsewhere")
     hexapod_of_meshes.parent.rename(tmp_path / "gone")
     monkeypatch.chdir("/")
@@ -112,7 +114,7 @@ def test_a_rerun_from_the_folder_gives_the_same_numbers(
     given = scenario(robot=str(hexapod_of_meshes), path=path, segments=1)
     for name in ("first", "second"):
         (tmp_path / name).mkdir()
-        run(given, RunFolder(tmp_path / name))
+        run(given, RunFolder(tmp_path / name), without=COSTLY)
         monkeypatch.chdir("/")
         given = load_scenario(str(tmp_path / name / "scenario.toml"))
     ends = [
