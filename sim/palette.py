@@ -59,30 +59,17 @@ OBSTACLE = Colour(115, 122, 135)
 STABLE = Colour(88, 205, 95)  # support polygon with the weight over it
 LIMIT = Colour(148, 11, 49)  # exceeded: about to tip over, touching, not as planned
 
-GROUPS = (  # of legs; models paint the legs of robots alike
-    Colour(41, 112, 191),
-    Colour(204, 69, 61),
-    Colour(222, 209, 51),
-    Colour(250, 171, 161),
-    Colour(112, 143, 176),
-    Colour(112, 79, 8),
-)
-OUTCOMES = tuple(  # of a sweep's points: from within 1 % to beyond, fallen, no walk
-    Colour(*components)
-    for components in (
-        (0, 158, 115), (86, 180, 233), (230, 159, 0), (213, 94, 0), (0, 0, 0),
-        (187, 187, 187),
-    )
-)  # fmt: skip
+
+def _colours(*codes: str) -> tuple[Colour, ...]:
+    return tuple(Colour(*bytes.fromhex(code)) for code in codes)
 
 
-RUNS = tuple(  # of several that one drawing compares
-    Colour(*components)
-    for components in (
-        (9, 25, 214), (202, 150, 47), (115, 17, 141), (71, 179, 121), (123, 97, 3),
-        (205, 82, 211),
-    )
-)  # fmt: skip
+# Of groups of legs; models paint the legs of robots alike.
+GROUPS = _colours("2970bf", "cc453d", "ded133", "faaba1", "708fb0", "704f08")
+# Of a sweep's points: from within 1 % to beyond, fallen, no walk.
+OUTCOMES = _colours("009e73", "56b4e9", "e69f00", "d55e00", "000000", "bbbbbb")
+# Of several runs that one drawing compares.
+RUNS = _colours("0919d6", "ca962f", "73118d", "47b379", "7b6103", "cd52d3")
 
 
 @dataclass(frozen=True, slots=True)

@@ -36,11 +36,9 @@ class Footprints:
 
 def footprints(points: Array, contact: Array) -> Footprints:
     """Stays of all feet, from places (T, F, 2) and contact (T, F)."""
-    padded = np.pad(contact.T.astype(np.int8), ((0, 0), (1, 1)))  # (F, T + 2)
-    change = np.diff(padded, axis=1)
+    change = np.diff(contact.T.astype(np.int8), prepend=0, append=0)  # (F, T + 1)
     foot, begin = np.nonzero(change > 0)
-    _, end = np.nonzero(change < 0)
-    end = end - 1
+    end = np.nonzero(change < 0)[1] - 1
     slid = points[end, foot] - points[begin, foot]
     place = points[(begin + end) // 2, foot]
     return Footprints(foot, begin, end, place, slid=np.hypot(*slid.T))
@@ -70,8 +68,8 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
     )
     _draw_both(axes["a"], planned, found)
     apart = matched(planned, found)
-    _draw_over_time(axes["b"], planned, apart, "distance  [mm]", ncols=2)
-    _draw_over_time(axes["c"], planned, found.slid, "slide  [mm]", ncols=3)
+    _draw_over_time(axes["b"], planned, apart)
+    _draw_over_time(axes["c"], planned, found.slid, planned.slid)
     rows = []
     for tripod, leg, of in _legs(planned):
         slides = float(planned.slid[of].max()), float(found.slid[of].max())
@@ -95,20 +93,18 @@ def _tripods(prints: Footprints) -> Iterator[tuple[str, Array]]:
 
 def matched(planned: Footprints, found: Footprints) -> Array:
     """Distance of each planned print from the one found in its place, (K,) [m]."""
-    counts = len(found.foot), len(planned.foot)
     if not np.array_equal(planned.foot, found.foot):
-        raise ValueError("{} footprints found for {} planned".format(*counts))
+        counts = f"{len(found.foot)} footprints found for {len(planned.foot)}"
+        raise ValueError(f"{counts} planned")
     return np.hypot(*(found.place - planned.place).T)
 
 
 def _draw_both(axes: Axes, planned: Footprints, found: Footprints) -> None:
     for tripod, of in _tripods(planned):
-        for prints, kind, marker, size in (
-            (planned, "planned", MARKERS[tripod], 4.5),
-            (found, "found", ".", 2.0),
-        ):
-            label, filled = f"tripod {tripod}, {kind}", kind == "found"
-            _draw_prints(axes, tripod, prints, of, (marker, size, filled, label), MM)
+        label = f"tripod {tripod}, planned"
+        _draw_prints(axes, tripod, planned, of, MARKERS[tripod], 4.5, label, scale=MM)
+        label = f"tripod {tripod}, found"
+        _draw_prints(axes, tripod, found, of, ".", 2.0, label, filled=True, scale=MM)
     for tripod, leg, of in _legs(planned):
         _number(axes, leg, MM * planned.place[of][0], TRIPODS[tripod])
 
@@ -118,14 +114,17 @@ def _draw_prints(
     tripod: str,
     prints: Footprints,
     of: Array,
-    look: tuple[str, float, bool, str],
+    marker: str,
+    size: float,
+    label: str,
+    *,
+    filled: bool = False,
     scale: float = 1.0,
 ) -> None:
-    """Prints of a tripod, darker with time; look: marker, size, filled, label."""
-    marker, size, filled, label = look
+    """Prints of a tripod, darker with time."""
     strength = PALEST + (1 - PALEST) * prints.begin[of] / prints.begin.max()
-    tripods = dict(zip(TRIPODS, GROUPS, strict=False))
-    shades = [tripods[tripod].tint(share).hex for share in strength.tolist()]
+    colour = GROUPS[[*TRIPODS].index(tripod)]
+    shades = [colour.tint(share).hex for share in strength.tolist()]
     fill: Style = {"color": shades} if filled else {"ec": shades, "fc": "none"}
     x, y = scale * prints.place[of].T
     width = 0 if filled else 0.5
@@ -146,19 +145,19 @@ def _number(axes: Axes, leg: int, place: Array, colour: str) -> None:
 
 
 def _draw_over_time(
-    axes: Axes, planned: Footprints, values: Array, label: str, ncols: int
+    axes: Axes, planned: Footprints, values: Array, ideal: Array | None = None
 ) -> None:
-    """A length of each print in the order of time; slides also as planned."""
+    """A length of each print in the order of time, and ideally."""
     for tripod, of in _tripods(planned):
         order = np.argsort(planned.begin[of])
         stays = np.arange(of.sum()) / len(LEGS[tripod])
         style: Style = {"markersize": 2.5, "color": TRIPODS[tripod]}
         style |= {"markeredgewidth": 0, "label": f"tripod {tripod}"}
         axes.plot(stays, MM * values[of][order], MARKERS[tripod], **style)
-        if ncols == 3:
+        if ideal is not None:
             dots: Style = {"color": INK, "markersize": 1.5, "markeredgewidth": 0}
             name = "ideal" if tripod == "1" else "_"
-            axes.plot(stays, MM * planned.slid[of][order], ".", label=name, **dots)
+            axes.plot(stays, MM * ideal[of][order], ".", label=name, **dots)
 
 
 def _draw_tripods(axes: Axes, prints: Footprints) -> None:
@@ -168,7 +167,7 @@ def _draw_tripods(axes: Axes, prints: Footprints) -> None:
         _number(axes, leg, places[0], TRIPODS[tripod])
     for tripod, of in _tripods(prints):
         label = f"tripod {tripod}, legs {'-'.join(map(str, LEGS[tripod]))}"
-        _draw_prints(axes, tripod, prints, of, (MARKERS[tripod], 3.0, True, label))
+        _draw_prints(axes, tripod, prints, of, MARKERS[tripod], 3.0, label, filled=True)
     axes.plot([], [], color=NOMINAL, linewidth=0.5, label="one leg's, in order")
 
 

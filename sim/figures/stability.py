@@ -47,14 +47,9 @@ def paper(axes: Mapping[str, Axes]) -> Shown:
     _draw_stance(axes["a"])
     _draw_signs(axes["b"], signs, crossed)
     _draw_margins(axes["c"])
-    middle = np.full_like(TABLED, STANCE.body_length / 2)
-    along = STANCE.margin_along_axis(TABLED, middle)
-    margins = (polygon_margin(STANCE, tripod, TABLED, middle) for tripod in (1, 2))
-    points, disagree = signs.polygon.size, signs.disagreements
-    return Shown(
-        rows_of(TABLED, *STANCE.bounds(TABLED), along, *margins),
-        {"points": points, "disagree": disagree, "apart": apart},
-    )
+    counts = {"points": signs.polygon.size, "disagree": signs.disagreements}
+    columns = *STANCE.bounds(TABLED), *_margins(TABLED)
+    return Shown(rows_of(TABLED, *columns), {**counts, "apart": apart})
 
 
 def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
@@ -103,12 +98,11 @@ def draw_body(axes: Axes) -> float:
 def _draw_stance(axes: Axes) -> None:
     """The body from above, tripod 1 at one angle, the other at rest and in the air."""
     front = draw_body(axes)
-    for tripod, phi in ((1, DRAWN_ANGLE), (2, 0.0)):
+    for tripod, phi, alpha in ((1, DRAWN_ANGLE, 1.0), (2, 0.0, 0.35)):
         hips, feet = STANCE.hips(tripod), STANCE.feet(tripod, phi)
-        colour, alpha = TRIPODS[str(tripod)], 1.0 if tripod == 1 else 0.35
-        for hip, foot in zip(hips, feet, strict=True):
-            axes.plot(*np.transpose([hip, foot]), color=colour, alpha=alpha)
-        axes.plot(*feet.T, "o", markersize=3.5, color=colour, alpha=alpha)
+        look: Style = {"color": TRIPODS[str(tripod)], "alpha": alpha}
+        axes.plot(*np.stack([hips, feet]).transpose(2, 0, 1), **look)
+        axes.plot(*feet.T, "o", markersize=3.5, **look)
     triangle = STANCE.feet(1, DRAWN_ANGLE)
     axes.fill(*triangle.T, color=TRIPODS["1"], alpha=0.15, linewidth=0)
     axes.plot(0, 0, "P", color=INK, markersize=5, label="centre of mass")
@@ -139,15 +133,20 @@ def _draw_signs(axes: Axes, signs: SignMap, crossed: Sequence[Array]) -> None:
 
 
 def _draw_margins(axes: Axes) -> None:
-    middle = np.full_like(PHI, STANCE.body_length / 2)
-    along = STANCE.margin_along_axis(PHI, middle)
+    along, *margins = _margins(PHI)
     axes.plot(PHI, along, color=NOMINAL, linestyle="--", label="along the axis, both")
-    for tripod, style, width in ((1, "-", 1.2), (2, ":", 2.0)):
-        margin = polygon_margin(STANCE, tripod, PHI, middle)
-        line: Style = {"color": TRIPODS[str(tripod)], "linewidth": width}
-        label = f"tripod {tripod}, to the nearest side"
+    for name, margin, style, width in zip("12", margins, "-:", (1.2, 2.0), strict=True):
+        line: Style = {"color": TRIPODS[name], "linewidth": width}
+        label = f"tripod {name}, to the nearest side"
         axes.plot(PHI, margin, style, label=label, **line)
     axes.axhline(0, color=INK, linewidth=0.6)
+
+
+def _margins(phi: Array) -> tuple[Array, ...]:
+    """Margins along the axis and of both polygons, the weight in the middle."""
+    middle = np.full_like(phi, STANCE.body_length / 2)
+    polygons = (polygon_margin(STANCE, tripod, phi, middle) for tripod in (1, 2))
+    return STANCE.margin_along_axis(phi, middle), *polygons
 
 
 def polygon_margin(stance: PaperStance, tripod: int, phi: Array, b: Array) -> Array:
