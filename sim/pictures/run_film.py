@@ -1,7 +1,8 @@
 """The film of a finished walk, drawn from its run folder alone.
 
-Processes draw it in pieces, each with a driver of its own; one that crashes or hangs
-causes an error, and the run itself survives.
+Processes draw it in pieces, each with the driver chosen in MUJOCO_GL: crashes, leaks
+and hanging drivers affect them alone and cause an error, and the run itself survives.
+This module is also their program; it prints a dot for every picture.
 """
 
 from __future__ import annotations
@@ -13,19 +14,30 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 from typing import IO
 
+import mujoco
+
 from sim.errors import FilesError, RenderError, UsageError
 from sim.folder import blamed_on, whole
 from sim.pictures import gl
-from sim.pictures.camera import view_of
-from sim.pictures.clock import WHOLE, Stretch, clock, rows_of
-from sim.pictures.file import FULL, animate, check_encoder, count_pictures, join
-from sim.pictures.offscreen import LOOKS
+from sim.pictures.camera import Camera, camera, view_of
+from sim.pictures.captions import Captions
+from sim.pictures.clock import WHOLE, Clock, Stretch, clock, rows_of
+from sim.pictures.file import (
+    FULL,
+    animate,
+    check_encoder,
+    count_pictures,
+    encoding,
+    join,
+)
+from sim.pictures.marks import grid, marks
+from sim.pictures.offscreen import LOOKS, OffscreenRenderer
 from sim.runs.run import read_run
 
 NAME = "video.mp4"
@@ -46,15 +58,15 @@ class Piece:
     look: str
     frames: range
     path: Path
-    camera: str = "across"
+    shot: str = "across"  # name of the view, or its angles
     stretch: Stretch = WHOLE
 
     @property
     def command(self) -> list[str]:
         """How to start the process that draws it."""
-        frames, shot = self.frames, (self.camera, *self.stretch)
+        frames, shot = self.frames, (self.shot, *self.stretch)
         asked = self.folder, self.look, frames.start, frames.stop, self.path, *shot
-        return [sys.executable, "-P", "-m", "sim.pictures.worker", *map(str, asked)]
+        return [sys.executable, "-P", "-m", "sim.pictures.run_film", *map(str, asked)]
 
 
 def check() -> str:
@@ -199,3 +211,46 @@ def _wait(dots: int, where: str) -> int:
     if not select.select([dots], [], [], SILENCE)[0]:
         raise RenderError(f"no picture for {SILENCE:g} s", where, KEPT)
     return len(os.read(dots, 4096))
+
+
+def _draw(piece: Piece) -> None:
+    """Draw frames of the film of a run folder."""
+    walk = read_run(piece.folder, inspected=True).in_world()
+    frames = piece.frames
+    film_clock = clock(walk.time, walk.scenario.playback, piece.stretch)
+    view = camera(walk, film_clock, view_of(piece.shot))
+    captions = Captions(walk, film_clock, view)
+    drawn = (grid(view, walk.reach), *marks(walk, film_clock, frames))
+    renderer = OffscreenRenderer(walk, drawn, view, LOOKS[piece.look])
+    with closing(renderer), encoding(piece.path) as append:
+        for frame in frames:
+            if frame == frames[0] or not is_held(film_clock, view, frame):
+                picture = captions.card(frame)
+                if frame in film_clock.scene:
+                    row = int(film_clock.rows[frame])
+                    picture = renderer.picture(frame, row)
+                    captions.write(picture, row)
+            append(picture)
+            os.write(sys.stdout.fileno(), b".")
+
+
+def is_held(film_clock: Clock, view: Camera, frame: int) -> bool:
+    """Whether a frame shows the same picture as the one before it."""
+    if frame in (film_clock.scene.start, film_clock.scene.stop):
+        return False
+    rows = film_clock.rows
+    return bool(rows[frame] == rows[frame - 1]) and view.rests(frame)
+
+
+def _main() -> None:
+    """Read the command line that a `Piece` composes."""
+    folder, look, start, stop, path, view, begin, end = sys.argv[1:]
+    log = mujoco.MjLogConfig.get()
+    log.logto_file = False  # it would otherwise appear in the current folder
+    log.set()
+    frames, stretch = range(int(start), int(stop)), (float(begin), float(end))
+    _draw(Piece(Path(folder), look, frames, Path(path), view, stretch))
+
+
+if __name__ == "__main__":
+    _main()

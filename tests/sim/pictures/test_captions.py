@@ -22,7 +22,7 @@ from sim.pictures.captions import (
 from sim.pictures.clock import clock
 from sim.pictures.legend import ENTRIES, PAD, _lines, nose
 from sim.pictures.marks import cell, grid
-from sim.pictures.worker import is_held
+from sim.pictures.run_film import is_held
 from sim.runs.run import read_run
 from tests.finished_runs import predicted_elsewhere
 from tests.screen import on_screen
