@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -36,17 +36,30 @@ PANEL_HEIGHT = 1.55  # [in]
 ROUNDING = 1e-9  # of the largest value
 COMB = 20  # segments, from which on curves look like combs
 ROW = 0.17  # [in] of a foot
+Curve = tuple[Array, Style, Key | None]  # its values, its look, its entry in the key
 
 
 def panels(run: Run) -> Iterator[Drawing]:
     """All drawings over time, one by one, in the order of the page."""
     off = {name: MM * np.hypot(*run.error(name)[:, :2].T) for name in run.predicted}
     turned = {name: MRAD * run.error(name)[:, 2] for name in run.predicted}
-    yield _errors(run, off, "Distance from each prediction [mm]")
-    yield _errors(run, turned, "Error in yaw, off each prediction [mrad]")
+    for values, heading in (
+        (off, "Distance from each prediction [mm]"),
+        (turned, "Error in yaw, off each prediction [mrad]"),
+    ):
+        curves = [
+            (values[name], mark.line(linewidth=1.1), Key.of(mark, f"off {label}"))
+            for name, mark, label in (
+                (n, PREDICTED[n], PREDICTIONS[n].label) for n in values
+            )
+        ]
+        yield _curves(run, heading, curves)
     yield _margin(run)
     if run.clearance is not None:
-        yield _clearance(run, run.clearance)
+        look = {"color": ACHIEVED.colour.hex}
+        achieved = MM * run.clearance, look, Key.of(ACHIEVED, "achieved")
+        limits = {0.0: ("--", "limit: it touches")}
+        yield _curves(run, "Clearance from obstacles [mm]", [achieved], limits=limits)
     yield _slip(run)
     yield _contacts(run)
 
@@ -54,22 +67,22 @@ def panels(run: Run) -> Iterator[Drawing]:
 def _curves(
     run: Run,
     heading: str,
-    curves: Iterable[tuple[Array, Style]],
-    keys: list[Key],
+    curves: Sequence[Curve],
     note: str = "",
     *,
-    limits: Mapping[float, str] | None = None,
+    limits: Mapping[float, tuple[str, str]] | None = None,
     bottom: float | None = None,
 ) -> Drawing:
-    """Curves over time with limits, which are styles of level lines by their heights.
+    """Curves over time with limits: style and label of level lines by their heights.
 
-    Those of long walks have bands of their extremes as well, which the page shows until
-    it is zoomed. The axis begins at the bottom if given.
+    Curves of long walks have bands of their extremes as well, which the page shows
+    until it is zoomed. The axis begins at the bottom if given.
     """
     starts = stretches(run)
     edges = np.append(run.time[starts], run.time[-1])
+    keys = [key for *_, key in curves if key]
     with sheet(PANEL_HEIGHT) as (figure, axes):
-        for values, style in curves:
+        for values, style, _ in curves:
             rows = extremes(values)
             combed = run.segments >= COMB and _falls(values)
             gid = DETAIL if combed else None
@@ -77,11 +90,11 @@ def _curves(
             if combed:
                 low, high = extremes_between(values, starts)
                 add_band(axes, edges, low, high, str(style["color"]))
-        for height, dashes in (limits or {}).items():
+        for height, (dashes, label) in (limits or {}).items():
             axes.axhline(height, color=LIMIT, ls=dashes, lw=1.0)
+            keys.append(Key(label, LIMIT, dashed=True))
         axes.set_xlim(run.time[0], run.time[-1])
-        if bottom is not None:
-            axes.set_ylim(bottom=bottom)
+        axes.set_ylim(bottom=bottom)
         return finish(figure, heading, keys, note)
 
 
@@ -92,53 +105,34 @@ def _falls(values: Array) -> bool:
     return bool(np.diff(values).min(initial=0) < -ROUNDING * values.max(initial=0))
 
 
-def _errors(run: Run, values: Mapping[str, Array], heading: str) -> Drawing:
-    marks = {name: PREDICTED[name] for name in values}
-    curves = [(values[n], mark.line(linewidth=1.1)) for n, mark in marks.items()]
-    keys = [Key.of(mark, f"off {PREDICTIONS[n].label}") for n, mark in marks.items()]
-    return _curves(run, heading, curves, keys)
-
-
 def _margin(run: Run) -> Drawing:
     best, mark = PREDICTIONS[run.best], PREDICTED[run.best]
+    look, key = {"color": ACHIEVED.colour.hex}, Key.of(mark, f"predicted, {best.label}")
     curves = [
-        (MM * run.margin, {"color": ACHIEVED.colour.hex}),
-        (MM * run.arrays[best.array("margin")], mark.line()),
+        (MM * run.margin, look, Key.of(ACHIEVED, "achieved")),
+        (MM * run.arrays[best.array("margin")], mark.line(), key),
     ]
-    keys = [
-        Key.of(ACHIEVED, "achieved"),
-        Key.of(mark, f"predicted, {best.label}"),
-        Key("limit: below 0 it tips over", LIMIT, dashed=True),
-    ]
-    limits = {0.0: "--"}
+    limits = {0.0: ("--", "limit: below 0 it tips over")}
     if asked := run.settings.get("min_margin"):
-        limits[MM * asked] = ":"
-        keys.append(Key(f"least that was asked for, {MM * asked:g} mm", LIMIT, True))
+        limits[MM * asked] = ":", f"least that was asked for, {MM * asked:g} mm"
     least = number(MM * run.summary.achieved.min_margin, 1)
     note = f"The least margin of the walk is {least} mm."
-    heading = "Static stability margin [mm]"
-    return _curves(run, heading, curves, keys, note, limits=limits)
-
-
-def _clearance(run: Run, clearance: Array) -> Drawing:
-    curves = [(MM * clearance, {"color": ACHIEVED.colour.hex})]
-    limit = Key("limit: it touches", LIMIT, dashed=True)
-    keys = [Key.of(ACHIEVED, "achieved"), limit]
-    heading = "Clearance from obstacles [mm]"
-    return _curves(run, heading, curves, keys, limits={0.0: "--"})
+    return _curves(run, "Static stability margin [mm]", curves, note, limits=limits)
 
 
 def _slip(run: Run) -> Drawing:
     best, owners = PREDICTIONS[run.best], np.array(run.group_of_foot)
-    curves: list[tuple[Array, Style]] = []
-    keys = []
+    curves: list[Curve] = []
     for i, group in enumerate(run.groups):
-        colour = palette.group(i).hex
-        for name, style in (("slip", {}), (best.array("slip"), {"ls": ":", "lw": 0.9})):
+        colour, legs = palette.group(i).hex, np.array(run.legs)[owners == i]
+        key = Key(f"group {group}, legs {', '.join(map(str, legs))}", colour)
+        foreseen: Style = {"color": colour, "ls": ":", "lw": 0.9}
+        for name, style, own in (
+            ("slip", {"color": colour}, key),
+            (best.array("slip"), foreseen, None),
+        ):
             together = MM * run.arrays[name][:, owners == i].sum(axis=1)
-            curves.append((together, {"color": colour, **style}))
-        legs = (leg for leg, owner in zip(run.legs, owners, strict=True) if owner == i)
-        keys.append(Key(f"group {group}, legs {', '.join(map(str, legs))}", colour))
+            curves.append((together, style, own))
     note = f"Dotted lines are the {best.label} prediction."
     if (floor := run.summary.achieved.creep_floor) is not None:
         note += (
@@ -146,7 +140,7 @@ def _slip(run: Run) -> Drawing:
             f"{MM * floor:.3g} mm: that much is the solver's."
         )
     heading = "Slip of each group's feet together, since the start [mm]"
-    return _curves(run, heading, curves, keys, note, bottom=0)
+    return _curves(run, heading, curves, note, bottom=0)
 
 
 def _contacts(run: Run) -> Drawing:
@@ -170,13 +164,15 @@ def _contacts(run: Run) -> Drawing:
         axes.grid(visible=False)
         axes.set_ylim(-0.6, feet + 0.6)
         axes.set_xlim(run.time[0], run.time[-1])
-        shown = {
-            f"feet of group {name}": palette.group(i).hex
-            for i, name in enumerate(run.groups)
-        }
-        shown |= {f"stratum {name}": colour for name, colour in of_stratum.items()}
-        shown["not as planned"] = LIMIT
-        keys = [Key(label, colour, filled=True) for label, colour in shown.items()]
+        shown = [
+            *(
+                (f"feet of group {g}", palette.group(i).hex)
+                for i, g in enumerate(run.groups)
+            ),
+            *((f"stratum {name}", colour) for name, colour in of_stratum.items()),
+            ("not as planned", LIMIT),
+        ]
+        keys = [Key(label, colour, filled=True) for label, colour in shown]
         note = (
             "A bar is a foot on the ground. A stratum is named after the groups that "
             "stand. Thin red bars are contacts that differ from the plan."
