@@ -1,9 +1,8 @@
 """Feet of a robot whose joints move as they like: where they are, which ones stand.
 
-A leg may have any number of joints. Feet that are as low as the lowest one are planned
-to stand; where the weight would not rest on them, those are that the robot comes to
-rest on. The body is moved by the feet that stand, on which it slides as little as dry
-friction under their loads allows.
+Feet that are as low as the lowest one are planned to stand; where the weight would not
+rest on them, those are that the robot comes to rest on. The feet that stand move the
+body, and slide on it as little as dry friction under their loads allows.
 """
 
 from __future__ import annotations
@@ -86,10 +85,7 @@ def posture(robot: Robot, joints: Sequence[str], angles: Array) -> Posture:
     mujoco.mj_kinematics(model, data)
     soles = [find_sole(model, data, leg.foot) for leg in robot.leg_cards]
     places = [int(model.joint(joint).qposadr[0]) for joint in joints]
-    dofs = [
-        [int(model.joint(joint).dofadr[0]) for joint in leg.joints]
-        for leg in robot.leg_cards
-    ]
+    dofs = [[model.joint(j).dofadr[0] for j in leg.joints] for leg in robot.leg_cards]
     root = model.body(robot.root).id
     origin = data.xpos[root] * (1, 1, 0)
     feet = np.empty((len(angles), len(soles), 3))
@@ -101,8 +97,7 @@ def posture(robot: Robot, joints: Sequence[str], angles: Array) -> Posture:
         mujoco.mj_comPos(model, data)
         center[row] = data.subtree_com[root] - origin
         for foot, sole in enumerate(soles):
-            point = sole.touch(data)
-            body = model.geom_bodyid[sole.geoms[0]]
+            point, body = sole.touch(data), model.geom_bodyid[sole.geoms[0]]
             mujoco.mj_jac(model, data, jacobian, None, point, body)
             feet[row, foot] = point - origin
             gives[row, foot] = _together(jacobian[:, dofs[foot]])
@@ -126,7 +121,7 @@ def _shares(feet: Array, center: Array, three: Array) -> Array:
     after = np.roll(spokes, -1, axis=2)
     area = spokes[..., 0] * after[..., 1] - spokes[..., 1] * after[..., 0]
     whole = area.sum(axis=2, keepdims=True)
-    whole = np.where(np.abs(whole) > FLAT_FEET, whole, np.nan)
+    whole[np.abs(whole) <= FLAT_FEET] = np.nan
     shares: Array = np.nan_to_num(np.roll(area, -1, axis=2) / whole, nan=-1.0)
     return shares
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from itertools import chain
 from math import inf, nan, radians
@@ -100,11 +101,10 @@ class Log:
             what = f"its last row is {apart:.3g} rad from its first one and cannot be"
             raise ValueError(f"{what} repeated; let it end where it begins")
         starts = np.arange(times)[:, None] * self.time[-1]
-        time = np.append((starts + self.time[:-1]).ravel(), times * self.time[-1])
-        rows = np.tile(self.commanded[:-1], (times, 1))
-        whole = np.vstack([rows, self.commanded[-1:]])
+        time = np.append(starts + self.time[:-1], times * self.time[-1])
+        rows = np.vstack([*[self.commanded[:-1]] * times, self.commanded[-1:]])
         said = (*self.done, f"repeated {times} times")
-        return Log(time, self.joints, whole, done=said)
+        return Log(time, self.joints, rows, done=said)
 
 
 def of_function(gait: Gait, duration: float, rate: float = 200.0) -> Log:
@@ -174,11 +174,9 @@ def _table(path: Path) -> dict[str, Array]:
 
 
 def _number(name: str, cell: str, row: int) -> float:
-    text = cell.strip().lower()
-    try:
-        value = float(text or nan)
-    except ValueError:
-        value = inf
+    value = inf
+    with suppress(ValueError):
+        value = float(cell.strip() or nan)
     if abs(value) == inf:
         raise ValueError(f"{cell.strip()[:40]!r} in row {row}, column {name!r}")
     return value
@@ -204,8 +202,7 @@ def _log(
             columns[name] = angles(joint, numbers)
         elif angles == "degrees" and (joint in joints or name in ANGLES):
             columns[name] = np.radians(numbers)
-    start = time - time[0]
-    done = [*_said_of_clock(time)]
+    start, done = time - time[0], [*_said_of_clock(time)]
     asked = np.stack([_bridged(start, columns[j], j, done) for j in commanded], axis=1)
     row, column = map(int, np.unravel_index(np.abs(asked).argmax(), asked.shape))
     if abs(angle := asked[row, column]) > FARTHEST:
@@ -242,7 +239,7 @@ def _check_time(time: Array) -> None:
 def _said_of_clock(time: Array) -> Iterator[str]:
     steps = np.diff(time)
     usual = float(np.median(steps))
-    if time[0] != 0:
+    if time[0]:
         yield f"time begins at {time[0]:.6g} s and is counted from there"
     if (gaps := steps > CLOCK_GAP * usual).any():
         yield (
@@ -266,8 +263,9 @@ def _bridged(time: Array, angle: Array, joint: str, done: list[str]) -> Array:
         raise ValueError(f"column {joint!r} is empty; leave it out")
     rows = np.flatnonzero(there)
     longest = np.diff(time[rows])[np.diff(rows) > 1].max(initial=0.0)
-    empty = np.count_nonzero(~there)
-    done.append(f"{joint}: {empty} empty cells bridged, {longest:.3g} s at most")
+    done.append(
+        f"{joint}: {(~there).sum()} empty cells bridged, {longest:.3g} s at most"
+    )
     return np.interp(time, time[there], angle[there])
 
 
@@ -291,7 +289,6 @@ def written(log: Log) -> str:
     names += (f"{CONTACT}{leg}" for leg in log.contact)
     columns += log.contact.values()
     text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(names)
-    writer.writerows(np.stack(columns, axis=1).tolist())
+    rows = np.stack(columns, axis=1).tolist()
+    csv.writer(text, lineterminator="\n").writerows([names, *rows])
     return text.getvalue()

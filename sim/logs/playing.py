@@ -6,9 +6,10 @@ else that is done with a schedule is done with it.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import compress
 from pathlib import Path
 
 import numpy as np
@@ -78,30 +79,25 @@ class Motion:
         `standing` holds the first row; otherwise the log begins with the first step.
         """
         rest = LegState((0.0,) * len(self.robot.groups), self.robot.card.bottom)
-        if standing:
-            phases = [self._phase("hold", self.low, begin, end, np.zeros(1))]
-        else:
-            phases = self._swings(begin, end)
-        return Played(tuple(phases), rest, rest, self.limits, self, standing)
+        held = (self._phase("hold", self.low, begin, end, np.zeros(1)),)
+        phases = held if standing else tuple(self._swings(begin, end))
+        return Played(phases, rest, rest, self.limits, self, standing)
 
     @property
     def steps(self) -> int:
         """Physics steps that it takes."""
         return round(self.log.duration / self.limits.timestep) + 1
 
-    def _swings(self, begin: int, end: int) -> list[Phase]:
+    def _swings(self, begin: int, end: int) -> Iterator[Phase]:
         dt = self.limits.timestep
         apart = max(round(LOOKS_APART / dt), 1)
         changes = np.flatnonzero(np.diff(self.contact, axis=0).any(axis=1)) + 1
         rows = [0, *changes.tolist()]
         starts = [begin + round(self.time[row] / dt) for row in rows]
-        phases = []
         for row, first, last in zip(rows, starts, [*starts[1:], end], strict=True):
             looks = dt * np.arange(first - begin, last - begin + 1, apart)
             if last > first:
-                standing = self.contact[row]
-                phases.append(self._phase("swing", standing, first, last, looks))
-        return phases
+                yield self._phase("swing", self.contact[row], first, last, looks)
 
     def _phase(
         self, kind: Kind, standing: Array, start: int, stop: int, looks: Array
@@ -128,12 +124,10 @@ class Motion:
     def _name(self, feet: tuple[bool, ...]) -> str:
         """The stratum of whole groups that stand, else the legs that do."""
         groups, of = self.robot.groups, self.robot.group_of_leg
-        whole = [g for i, g in enumerate(groups) if all(np.array(feet)[of == i])]
-        name = "".join(whole)
+        name = "".join(g for i, g in enumerate(groups) if all(np.array(feet)[of == i]))
         if (self.robot.planted(name) == feet).all():
             return name
-        legs = (str(leg) for leg, on in zip(self.robot.legs, feet, strict=True) if on)
-        return f"legs {' '.join(legs)}"
+        return f"legs {' '.join(str(leg) for leg in compress(self.robot.legs, feet))}"
 
 
 @dataclass(frozen=True)
@@ -146,8 +140,7 @@ class Played(Schedule):
     def targets(self, robot: Robot, rows: Array) -> Mapping[str, Array]:
         """Commanded angles of the log's joints at steps (T,), by joint, (T,) [rad]."""
         log = self.motion.log
-        angles = log.at(self._time(rows))
-        return dict(zip(log.joints, angles.T, strict=True))
+        return dict(zip(log.joints, log.at(self._time(rows)).T, strict=True))
 
     def commanded(self, rows: Array, kinematics: Kinematics) -> Commanded:
         """Planned contacts and margin at steps (T,); groups have no angles."""
@@ -182,7 +175,7 @@ def posed(robot: Robot, log: Log) -> Robot:
     at = dict(zip(log.joints, log.commanded[0].tolist(), strict=True))
     legs = {
         number: replace(
-            leg, hold={j: at.get(j, angle) for j, angle in leg.hold.items()}
+            leg, hold={**leg.hold, **{j: at[j] for j in leg.hold if j in at}}
         )
         for number, leg in robot.card.legs.items()
     }
