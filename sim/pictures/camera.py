@@ -90,10 +90,8 @@ class Camera:
 
     def rests(self, frame: int) -> bool:
         """Whether a frame is seen from where the frame before it was."""
-        before = max(frame - 1, 0)
-        return all(
-            np.array_equal(a[frame], a[before]) for a in (self.target, self.azimuth)
-        )
+        before, seen = max(frame - 1, 0), (self.target, self.azimuth)
+        return all(np.array_equal(a[frame], a[before]) for a in seen)
 
     def eyes(self) -> Array:
         """Where the camera is in each frame, shape (frames, 3) [m]."""

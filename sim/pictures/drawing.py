@@ -60,17 +60,16 @@ class Mark:
 
 def join(drawings: Iterable[Drawing], life: int | None = None) -> Drawing:
     """One drawing of several."""
-    drawings = [drawing for drawing in drawings if len(drawing)]
-    if not drawings:
-        nothing = np.zeros(0, int)
-        return Drawing(np.zeros((0, 3, 2)), nothing, nothing, life)
-    counts = np.cumsum([0, *(drawing.shapes.max() + 1 for drawing in drawings)])
-    shapes = [drawing.shapes + n for drawing, n in zip(drawings, counts, strict=False)]
-    frames = np.concatenate([drawing.frames for drawing in drawings])
-    order = np.argsort(frames, kind="stable")
-    points = np.concatenate([drawing.points for drawing in drawings])
-    numbers = np.concatenate(shapes)[order]
-    return Drawing(points[order], frames[order], numbers, life)
+    nothing = np.zeros(0, int)
+    points, frames, shapes, count = [np.zeros((0, 3, 2))], [nothing], [nothing], 0
+    for drawing in drawings:
+        points.append(drawing.points)
+        frames.append(drawing.frames)
+        shapes.append(drawing.shapes + count)
+        count += drawing.shapes.max(initial=-1) + 1
+    order = np.argsort(np.concatenate(frames), kind="stable")
+    triangles, first, own = (np.concatenate(x)[order] for x in (points, frames, shapes))
+    return Drawing(triangles, first, own, life)
 
 
 def ribbon(line: Array, frames: Array, width: float, jump: float = np.inf) -> Drawing:
@@ -93,10 +92,8 @@ def ribbon(line: Array, frames: Array, width: float, jump: float = np.inf) -> Dr
 
 def dashes(line: Array, period: float, width: float) -> Drawing:
     """A dashed line that is there from the first frame on; a period is dash and gap."""
-    way = length_up_to(line)
-    starts = np.arange(0.0, way[-1], period)
-    pieces = []
-    for start in starts:
+    way, pieces = length_up_to(line), []
+    for start in np.arange(0.0, way[-1], period):
         stop = min(start + 0.5 * period, way[-1])
         inner = way[(way > start) & (way < stop)]
         at = np.concatenate([[start], inner, [stop]])
@@ -106,7 +103,7 @@ def dashes(line: Array, period: float, width: float) -> Drawing:
 
 
 def discs(
-    centres: Array, frames: Array, radius: float, corners: int = CORNERS
+    centres: Array, frames: Iterable[int], radius: float, corners: int = CORNERS
 ) -> Drawing:
     """Round spots at centres, (N, 2) [m]; few corners are drawn faster."""
     angle = np.linspace(0, 2 * np.pi, corners, endpoint=False)

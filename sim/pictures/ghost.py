@@ -40,10 +40,8 @@ class Ghost:
     ) -> list[mujoco.MjvGeom]:
         """Its parts in a row, in the first of some geoms if they are given."""
         walk, model = self._walk, self._model
-        predicted = walk.predicted[self._name][row]
-        self._data.qpos[:] = _moved(
-            walk.qpos[row], self._address, walk.achieved[row], predicted
-        )
+        ends = walk.achieved[row], walk.predicted[self._name][row]
+        self._data.qpos[:] = _moved(walk.qpos[row], self._address, *ends)
         mujoco.mj_kinematics(model, self._data)
         colour = palette.PREDICTED[self._name].colour
         blank = (mujoco.MjvGeom() for _ in self._body)

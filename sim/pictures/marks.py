@@ -18,16 +18,7 @@ from sim import palette
 from sim.motion.poses import spaced_rows
 from sim.motion.stability import support_polygons
 from sim.obstacles.solids import Solids
-from sim.palette import (
-    ACHIEVED,
-    EDGE,
-    FOOTPRINT,
-    GOAL,
-    NOMINAL,
-    SPOT,
-    THOUGHT,
-    PathMark,
-)
+from sim.palette import NOMINAL, THOUGHT, PathMark
 from sim.pictures.camera import Camera
 from sim.pictures.clock import FRAME_RATE, Clock
 from sim.pictures.drawing import (
@@ -68,15 +59,17 @@ def marks(walk: Run, clock: Clock, frames: range) -> tuple[Mark, ...]:
     """
     dash, width = DASH * walk.reach, NOMINAL.width * walk.reach
     nominal = dashes(walk.nominal[:, :2], dash, width)
+    end, first, radius = walk.nominal[-1:, :2], [0], palette.GOAL * walk.reach
     drawn = (
         Mark("contours of the floor", contours(walk), palette.RELIEF),
-        *_covered(walk, clock),
+        Mark("floor swept over", _covered(walk, clock), palette.SWEPT),
         *_support(walk, clock, frames),
         *_footprints(walk, clock),
-        *_goal(walk),
+        Mark("goal", discs(end, first, radius), NOMINAL.colour),
+        Mark("goal's eye", discs(end, first, 0.75 * radius), palette.PAPER),
         # The predicted paths are wider than the achieved one, and below it.
         *(_path(walk, clock, p, palette.PREDICTED[n]) for n, p in walk.drawn.items()),
-        _path(walk, clock, walk.achieved, ACHIEVED),
+        _path(walk, clock, walk.achieved, palette.ACHIEVED),
         _thought(walk, clock),
         Mark(NOMINAL.label, nominal, NOMINAL.colour),
         *_weight(walk, clock, frames),
@@ -158,19 +151,12 @@ def _contours_of(model: mujoco.MjModel, geom: int) -> Iterator[Array]:
         yield from map(np.asarray, across.lines(level))
 
 
-def _covered(walk: Run, clock: Clock) -> Iterator[Mark]:
-    """The floor that the robot swept over beside obstacles."""
-    if walk.scenario.obstacles:
-        robot = Solids(walk.model, root_body(walk.model, walk.model_file))
-        yield Mark("floor swept over", swept(robot, walk, clock), palette.SWEPT)
-
-
-def _goal(walk: Run) -> Iterator[Mark]:
-    """A ring where the nominal path ends."""
-    end, first = walk.nominal[-1:, :2], np.zeros(1, int)
-    radius = GOAL * walk.reach
-    yield Mark("goal", discs(end, first, radius), NOMINAL.colour)
-    yield Mark("goal's eye", discs(end, first, 0.75 * radius), palette.PAPER)
+def _covered(walk: Run, clock: Clock) -> Drawing:
+    """The floor that the robot swept over beside obstacles, or nothing."""
+    if not walk.scenario.obstacles:
+        return join([])
+    robot = Solids(walk.model, root_body(walk.model, walk.model_file))
+    return swept(robot, walk, clock)
 
 
 def _path(walk: Run, clock: Clock, poses: Array, style: PathMark) -> Mark:
@@ -205,10 +191,7 @@ def _telling(line: Array, frames: Array) -> Array:
 
 
 def _footprints(walk: Run, clock: Clock) -> Iterator[Mark]:
-    """Where the feet of each group stood and how they slipped; the latest are darkest.
-
-    Each is drawn three times, palest and for ever below.
-    """
+    """Where feet stood and how they slipped, thrice: palest and for ever below."""
     for age, (strength, life) in enumerate(FADING):
         for group, name in enumerate(walk.groups):
             feet = np.flatnonzero(np.equal(walk.group_of_foot, group)).tolist()
@@ -222,7 +205,7 @@ def _stands(walk: Run, clock: Clock, foot: int) -> Iterator[Drawing]:
     place = walk.contact_point[:, foot]
     edges = np.diff(walk.contact[:, foot], prepend=False, append=False)
     starts, stops = np.flatnonzero(edges).reshape(-1, 2).T
-    frames, radius = clock.frame_of(starts), FOOTPRINT * walk.reach
+    frames, radius = clock.frame_of(starts), palette.FOOTPRINT * walk.reach
     yield discs(place[starts], frames, radius, FOOTPRINT_CORNERS)
     for start, stop in zip(starts, stops, strict=True):
         rows = start + spaced_rows(place[start:stop], TRAIL * walk.reach)
@@ -238,11 +221,12 @@ def _support(walk: Run, clock: Clock, frames: range) -> Iterator[Mark]:
         ("support polygon", palette.STABLE, stable),
         ("support polygon, tipping", palette.LIMIT, ~stable),
     ):
-        outlines = [(frames[i], _corners(hulls[i])) for i in np.flatnonzero(chosen)]
-        filled = polygons([c for _, c in outlines], [f for f, _ in outlines])
+        outlines = {frames[i]: _corners(hulls[i]) for i in np.flatnonzero(chosen)}
+        filled = polygons(outlines.values(), outlines)
+        width = palette.EDGE * walk.reach
         edges = (
-            ribbon(np.vstack([c, c[:1]]), np.full(len(c) + 1, frame), EDGE * walk.reach)
-            for frame, c in outlines
+            ribbon(np.vstack([c, c[:1]]), np.full(len(c) + 1, frame), width)
+            for frame, c in outlines.items()
         )
         yield Mark(name, join([filled], life=1), colour, alpha=0.25)
         yield Mark(f"edge of the {name}", join(edges, life=1), colour)
@@ -262,7 +246,7 @@ def _weight(walk: Run, clock: Clock, frames: range) -> Iterator[Mark]:
         ("rim of the centre of mass", 1.4, palette.PAPER),
         ("centre of mass", 1.0, palette.CENTRE_OF_MASS),
     ):
-        spots = discs(centres, np.array(frames), share * SPOT * walk.reach)
+        spots = discs(centres, np.array(frames), share * palette.SPOT * walk.reach)
         yield Mark(name, join([spots], life=1), colour)
 
 

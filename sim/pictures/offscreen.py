@@ -73,6 +73,7 @@ class OffscreenRenderer:
         self._numbers, self._body = LegNumbers(walk, model), BodyLines(walk, model)
         self._ghost = Ghost(walk, model, ghost_of(walk), meshes=True)
         self._view = mujoco.MjvCamera()
+        self._view.elevation, self._view.distance = camera.elevation, camera.distance
         self._options = mujoco.MjvOption()
         self._context = mujoco.GLContext(WIDTH, HEIGHT)
         self._context.make_current()
@@ -92,8 +93,11 @@ class OffscreenRenderer:
     def picture(self, frame: int, row: int) -> Array:
         """Draw the state of a row as seen in a frame, (HEIGHT, WIDTH, 3), bytes."""
         model, data, scene = self._model, self._data, self._scene
+        self._view.lookat[:] = target = self._camera.target[frame]
+        self._view.azimuth = self._camera.azimuth[frame]
+        # Shadows fall only around a light's position, even if its rays are parallel.
+        model.light_pos[0] = target - SUN_DISTANCE * self._walk.reach * SUN
         data.qpos[:] = self._walk.qpos[row]
-        self._look_from(frame)
         mujoco.mj_kinematics(model, data)
         mujoco.mj_camlight(model, data)
         for mesh, drawing in self._pieces:
@@ -115,23 +119,14 @@ class OffscreenRenderer:
         self._numbers.write(picture, data, pixels)
         return picture
 
-    def _look_from(self, frame: int) -> None:
-        self._view.lookat[:] = self._camera.target[frame]
-        self._view.azimuth = self._camera.azimuth[frame]
-        self._view.elevation = self._camera.elevation
-        self._view.distance = self._camera.distance
-        # Shadows fall only around a light's position, even if its rays are parallel.
-        away = SUN_DISTANCE * self._walk.reach
-        self._model.light_pos[0] = self._camera.target[frame] - away * SUN
-
     def _show(self, mesh: int, drawing: Drawing, frame: int) -> None:
         """Pass only the triangles that are visible in this frame to the driver."""
-        model = self._model
         first, count = drawing.visible(frame)
         first += self._first_face[mesh]
-        if (model.mesh_faceadr[mesh], model.mesh_facenum[mesh]) != (first, count):
-            model.mesh_faceadr[mesh], model.mesh_facenum[mesh] = first, count
-            mujoco.mjr_uploadMesh(model, self._brush, mesh)
+        faces, numbers = self._model.mesh_faceadr, self._model.mesh_facenum
+        if (faces[mesh], numbers[mesh]) != (first, count):
+            faces[mesh], numbers[mesh] = first, count
+            mujoco.mjr_uploadMesh(self._model, self._brush, mesh)
 
 
 class BodyLines:
@@ -235,9 +230,9 @@ def _light(spec: mujoco.MjSpec) -> None:
         spec.delete(light)
     head = spec.visual.headlight
     head.ambient, head.diffuse, head.specular = [AMBIENT] * 3, [0.0] * 3, [0.0] * 3
-    kind, diffuse = mujoco.mjtLightType.mjLIGHT_DIRECTIONAL, [DIRECT] * 3
-    sun = {"dir": SUN, "diffuse": diffuse, "specular": [0.1] * 3, "castshadow": True}
-    spec.worldbody.add_light(type=kind, **sun)
+    sun = {"dir": SUN, "diffuse": [DIRECT] * 3, "specular": [0.1] * 3}
+    sun["type"] = mujoco.mjtLightType.mjLIGHT_DIRECTIONAL
+    spec.worldbody.add_light(castshadow=True, **sun)
 
 
 def _lay_floor(spec: mujoco.MjSpec) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import cycle, product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -40,18 +41,15 @@ NOTE = (
 
 def plan_view(run: Run) -> Drawing:
     """Nominal path, the predictions and the achieved path of the body's centre."""
-    achieved = run.achieved[run.walking, :2]
-    paths = {name: poses[run.walking, :2] for name, poses in run.drawn.items()}
     with sheet(_height([run]), MAP_WIDTH) as (figure, axes):
         keys = _draw_place(axes, run)
-        axes.plot(*_thin(achieved).T, **ACHIEVED.line(alpha=0.55))
+        axes.plot(*_walked(run, run.achieved), **ACHIEVED.line(alpha=0.55))
         keys.append(Key.of(ACHIEVED, "achieved"))
-        for name, path in paths.items():
-            mark, label = PREDICTED[name], name
-            if name in PREDICTIONS:
-                label = f"predicted, {PREDICTIONS[name].label}"
-            axes.plot(*_thin(path).T, **mark.line())
-            keys.append(Key.of(mark, label))
+        for name, poses in run.drawn.items():
+            known = PREDICTIONS.get(name)
+            label = f"predicted, {known.label}" if known else name
+            axes.plot(*_walked(run, poses), **PREDICTED[name].line())
+            keys.append(Key.of(PREDICTED[name], label))
         for outline in run.thought:
             axes.plot(*(MM * outline.T), **THOUGHT.line())
         if run.thought:
@@ -64,43 +62,45 @@ def errors(run: Run) -> Iterator[Drawing]:
 
     Lines join the ends of segments; bands hold all that lies between.
     """
-    starts, shares = stretches(run), _shares(run)
+    starts = stretches(run)
     last = np.append(starts[1:], len(run.time)) - 1
     length = MM * run.summary.path_length
-    done = shares * (length or len(starts))
-    names = [*run.predicted]
+    done = _shares(run) * (length or len(starts))
+    marks = {name: PREDICTED[name] for name in run.predicted}
     for way, word in enumerate(WAYS):
         with sheet(ERROR_HEIGHT, MAP_WIDTH) as (figure, axes):
-            for name in names:
-                mark, error = PREDICTED[name], MM * _turned(run, name)[:, way]
+            for name, mark in marks.items():
+                error = MM * _turned(run, name)[:, way]
                 add_band(axes, done, *extremes_between(error, starts), mark.colour.hex)
                 axes.plot(done[1:], error[last], **mark.line(linewidth=1.1))
             axes.set_xlim(0, done[-1])
-            keys = [Key.of(PREDICTED[n], f"off {PREDICTIONS[n].label}") for n in names]
+            keys = [Key.of(m, f"off {PREDICTIONS[n].label}") for n, m in marks.items()]
             along = "length of the path [mm]" if length else "number of the part"
             note = (
                 f"To the right the {along}. Lines join the ends of its "
                 f"{len(starts)} parts, pale bands hold all that lies between. Forward "
                 "and to the left count as positive."
             )
-            heading = f"Error {word} the path [mm]"
             both = (keys, note) if word == WAYS[-1] else ([], "")
-            yield finish(figure, heading, *both)
+            yield finish(figure, f"Error {word} the path [mm]", *both)
 
 
 def overlaid(runs: Sequence[tuple[str, Run]]) -> Iterator[Drawing]:
     """Achieved paths of several runs in one drawing, and their errors in another."""
-    styles = [_style(number) for number in range(len(runs))]
+    styles: list[Style] = [
+        {"color": colour.hex, "ls": dashes, "lw": 1.0}
+        for _, (dashes, colour) in zip(runs, cycle(product(DASHES, RUNS)), strict=False)
+    ]
     names = [
-        Key(name, str(style["color"]), dashed=number >= len(RUNS))
-        for number, ((name, _), style) in enumerate(zip(runs, styles, strict=True))
+        Key(name, style["color"], dashed=style["ls"] != DASHES[0])
+        for (name, _), style in zip(runs, styles, strict=True)
     ]
     with sheet(_height([run for _, run in runs]), MAP_WIDTH) as (figure, axes):
         known: dict[str, Key] = {}
         for _, run in runs:
             known |= {key.label: key for key in _draw_place(axes, run)}
         for (_, run), style in zip(runs, styles, strict=True):
-            axes.plot(*_thin(run.achieved[run.walking, :2]).T, **style)
+            axes.plot(*_walked(run, run.achieved), **style)
         heading = "Achieved paths of the body's centre, x and y [mm]"
         yield finish(figure, heading, [*known.values(), *names], NOTE)
     with sheet(HEIGHTS[1] / 1.6, MAP_WIDTH) as (figure, axes):
@@ -115,11 +115,6 @@ def overlaid(runs: Sequence[tuple[str, Run]]) -> Iterator[Drawing]:
             "segment."
         )
         yield finish(figure, "Distance from the best prediction [mm]", names, note)
-
-
-def _style(number: int) -> Style:
-    dashes = DASHES[number // len(RUNS) % len(DASHES)]
-    return {"color": RUNS[number % len(RUNS)].hex, "ls": dashes, "lw": 1.0}
 
 
 def _draw_place(axes: Axes, run: Run) -> list[Key]:
@@ -143,36 +138,27 @@ def _turned(run: Run, name: str) -> Array:
 
     Where the path has no length, along is the way that the robot looked at the start.
     """
-    starts, path = stretches(run), run.nominal
-    middles = (np.arange(len(starts)) + 0.5) / len(starts)
-    ahead = np.gradient(path[:, :2], axis=0)
+    starts, path, error = stretches(run), run.nominal, run.error(name)[:, :2]
     way = length_up_to(path[:, :2])
     if not way[-1]:
-        return rotate(run.error(name)[:, :2], -path[0, 2])
-    at = np.searchsorted(way, middles * way[-1])
-    heading = np.arctan2(*ahead[np.minimum(at, len(path) - 1)].T[::-1])
-    counts = np.diff(np.append(starts, len(run.time)))
-    turn = np.repeat(heading, counts)
-    x, y = run.error(name)[:, :2].T
-    cos, sin = np.cos(turn), np.sin(turn)
-    return np.stack([cos * x + sin * y, cos * y - sin * x], axis=1)
+        return rotate(error, -path[0, 2])
+    middles = (np.arange(len(starts)) + 0.5) / len(starts)
+    at = np.minimum(np.searchsorted(way, middles * way[-1]), len(path) - 1)
+    heading = np.arctan2(*np.gradient(path[:, :2], axis=0)[at].T[::-1])
+    return rotate(error, -np.repeat(heading, np.diff(np.append(starts, len(error)))))
 
 
 def _height(runs: Iterable[Run]) -> float:
     """Height of a map in which x and y have one scale [in]."""
-    points = np.concatenate(
-        [
-            part
-            for run in runs
-            for part in (run.nominal[:, :2], run.achieved[run.walking, :2])
-        ]
-    )
+    parts = ((run.nominal, run.achieved[run.walking]) for run in runs)
+    points = np.concatenate([part[:, :2] for both in parts for part in both])
     wide, high = np.maximum(np.ptp(points, axis=0), 1e-9)
     return float(np.clip(MAP_WIDTH * high / wide + 0.4, *HEIGHTS))
 
 
-def _thin(points: Array) -> Array:
-    """Points of a path about evenly apart [mm], the last one among them."""
+def _walked(run: Run, poses: Array) -> Array:
+    """Points of a path about evenly apart, the last one among them, (2, N) [mm]."""
+    points = poses[run.walking, :2]
     extent = float(np.ptp(points, axis=0).max()) or 1.0
     rows = spaced_rows(points, SPACING * extent)
-    return MM * points[np.unique(np.append(rows, len(points) - 1))]
+    return MM * points[np.unique(np.append(rows, len(points) - 1))].T
