@@ -81,8 +81,9 @@ class Estimates:
     def said(self) -> Array:
         """Information times the values of the measurements alone, (P, K)."""
         pulled = (self.value - self.start) / self.spread**2  # by what was expected
-        said: Array = np.einsum("pkl,pl->pk", self.information, self.value) + pulled
-        return said
+        return np.asarray(
+            np.einsum("pkl,pl->pk", self.information, self.value) + pulled
+        )
 
     def held(self, parameters: Collection[int]) -> Estimates:
         """The same measurements, with some parameters held where they were expected."""
@@ -106,11 +107,10 @@ class Estimates:
 
 def _in_words(names: Sequence[str], direction: Array) -> str:
     """A direction of unit length."""
-    order = np.argsort(-np.abs(direction))
-    parts = [i for i in order if abs(direction[i]) > PART]
+    parts = [i for i in np.argsort(-np.abs(direction)) if abs(direction[i]) > PART]
     if len(parts) == 1:
         return f"{names[parts[0]]} does not show"
-    signs = np.sign(direction) * np.sign(direction[parts[0]])
+    signs = direction * direction[parts[0]]
     words = [f"{'more' if signs[i] > 0 else 'less'} {names[i]}" for i in parts]
     return f"{' with '.join(words)} would look the same"
 
@@ -185,9 +185,8 @@ def _newton_step(matrix: Array, toward: Array, held: Array) -> Array:
     """Solutions (P, K) in which some unknowns are held at zero."""
     free = ~held
     kept = np.where(free[:, :, None] & free[:, None], matrix, np.eye(free.shape[1]))
-    wanted = np.where(free, toward, 0.0)
-    solved: Array = np.linalg.solve(kept, wanted[..., None])[..., 0]
-    return solved
+    wanted = np.where(free, toward, 0.0)[..., None]
+    return np.asarray(np.linalg.solve(kept, wanted)[..., 0])
 
 
 def _cost(left: Array, weight: Array, off: Array, spread: Array) -> Array:
@@ -205,8 +204,7 @@ def _alike(left: Array, there: Array) -> Array:
     r = np.where(pairs, left[1:] * left[:-1], 0.0).sum(axis=0)
     r = np.minimum(r / np.maximum((left**2).sum(axis=0), LEAST_NOISE**2), 0.999)
     chance = 2 / np.sqrt(np.maximum(pairs.sum(axis=0), 1))
-    alike: Array = np.where(r > chance, (1 + r) / (1 - r), 1.0)
-    return alike
+    return np.where(r > chance, (1 + r) / (1 - r), 1.0)
 
 
 def together(each: Sequence[Estimates]) -> Estimates:

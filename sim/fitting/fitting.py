@@ -121,12 +121,11 @@ def _fitted_model(setup: Setup, log: Log, whole: Array) -> mujoco.MjModel:
 
 def _rows(log: Log, kept: bool) -> tuple[Array, Array]:
     """Times and measured angles of the rows that are fitted, or of those kept."""
-    measured = log.measured
-    if measured is None:
+    if log.measured is None:
         raise ValueError("no measured angles; give columns measured.JOINT")
     cut = int(FITTED * len(log.time))
     rows = slice(cut, None) if kept else slice(cut)
-    return log.time[rows], measured[rows]
+    return log.time[rows], log.measured[rows]
 
 
 def _missed(commanded: Commanded, log: Log, tried: Array) -> Array:
@@ -138,8 +137,7 @@ def _missed(commanded: Commanded, log: Log, tried: Array) -> Array:
 
 def servos(stiffness: Array, damping: Array) -> Array:
     """Servos (P, 6) of known stiffness and damping, (P,), and else without fault."""
-    known = np.log([stiffness, damping]).T
-    return np.pad(known, ((0, 0), (0, len(SERVO) - 2)))
+    return np.pad(np.log([stiffness, damping]).T, ((0, 0), (0, len(SERVO) - 2)))
 
 
 def fit_servos(

@@ -43,16 +43,15 @@ def compare(runs: Sequence[Run]) -> Comparison:
     """Compare the runs of several folders."""
     settings = [dict(flat(run.settings)) for run in runs]
     keys = (k for k in dict.fromkeys(chain(*settings)) if k not in IGNORED)
-    rows = {k: [str(s.get(k, "not set")) for s in settings] for k in keys}
-    header = ("setting", *names(runs))
-    differing = [(key, *row) for key, row in rows.items() if len(set(row)) > 1]
-    same = [(key, row[0]) for key, row in rows.items() if len(set(row)) == 1]
+    rows = [(k, *(str(s.get(k, "not set")) for s in settings)) for k in keys]
+    differing = [row for row in rows if len(set(row[1:])) > 1]
+    same = [row[:2] for row in rows if row not in differing]
     return Comparison(
         runs,
-        Table(header, differing),
-        Table(("", *header[1:]), list(_results(runs))),
-        _drift(runs),
-        Table(("setting", "value in all runs"), same),
+        differences=Table(("setting", *names(runs)), differing),
+        results=Table(("", *names(runs)), list(_results(runs))),
+        drift=_drift(runs),
+        same=Table(("setting", "value in all runs"), same),
     )
 
 

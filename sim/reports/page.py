@@ -116,26 +116,24 @@ def _sequence(run: Run) -> Iterator[tuple[int, Markup]]:
     """Number of each segment, from 1, and its flows in the order of time."""
     last = ""
     for segment, phases in groupby(run.phases, key=lambda phase: phase.segment):
-        parts: list[Markup] = []
+        text = Markup("")
         for phase in phases:
             stratum = phase.stratum
             if phase.kind == "land":  # that of all who stand once it is over
                 pair = phase.stratum, phase.group
                 stratum = "".join(g for g in run.groups if any(g in s for s in pair))
             if stratum != last:
-                arrow = Markup(" &rarr; ") if last else Markup("")
-                parts.append(arrow + _subscript("S", stratum))
+                text += Markup(" &rarr; " if last else "") + _subscript("S", stratum)
                 last = stratum
             if phase.kind == "swing":
-                parts.append(Markup(" ") + _flow(phase))
-        yield segment + 1, Markup("").join(parts)
+                text += Markup(" ") + _flow(phase)
+        yield segment + 1, text
 
 
 def _flow(phase: WalkedPhase) -> Markup:
     amount = f"{phase.amount:.4g}".replace("-", MINUS)
-    found = FIELD.fullmatch(phase.field)
     name = Markup.escape(phase.field)
-    if found:  # the second of stratum 12, say
+    if found := FIELD.fullmatch(phase.field):  # the second of stratum 12, say
         name = _subscript("g", f"{found[1]},{found[2]}")
     text = "<span class=flow>&phi;<span><sup>{}</sup><sub>{}</sub></span></span>"
     return Markup(text).format(amount, name)

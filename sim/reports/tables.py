@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from planner import Array
-from sim.evaluation.flows import WalkedPhase
 from sim.evaluation.quantities import (
     OF_ROWS,
     OF_WALKS,
@@ -49,9 +48,8 @@ class Table:
 
 def sentences(run: Run) -> list[str]:
     """What became of the walk, the most important first."""
-    text, achieved = run.summary.verdict_text, run.summary.achieved
-    ignored = run.summary.ignored
-    least = MM * achieved.min_margin
+    text, ignored = run.summary.verdict_text, run.summary.ignored
+    least = MM * run.summary.achieved.min_margin
     where = f"up to {-least:.1f} mm outside its support"
     if least >= 0:
         where = f"never less than {least:.1f} mm inside its support"
@@ -105,9 +103,12 @@ def sources(run: Run) -> Table | None:
         header += [f"{PREDICTIONS[name].label}: x [mm]", "y [mm]", "yaw [mrad]"]
     rows = []
     for name, labels in kinds_of(next(iter(found.values()))):
+        phases = [p for p in run.phases if f"{p.kind} S{p.stratum}" in labels]
+        slip = number(MM * sum(phase.slip for phase in phases), 1)
+        facts = len(phases), slip, sum(not phase.as_planned for phase in phases)
         sums = (np.sum([p[x] for x in labels], axis=0) for p in found.values())
-        cells = [number(MM * part, 3) for added in sums for part in added]
-        rows.append([name, *_carried_out(run.phases, labels), *cells])
+        cells = (number(MM * part, 3) for added in sums for part in added)
+        rows.append([name, *map(str, facts), *cells])
     return Table(header, rows)
 
 
@@ -129,14 +130,6 @@ def kinds_of(parts: Mapping[str, Array]) -> Iterator[tuple[str, list[str]]]:
     for name, kinds in SUMS.items():
         if own := [label for label in parts if label.partition(" ")[0] in kinds]:
             yield name, own
-
-
-def _carried_out(phases: Sequence[WalkedPhase], labels: Sequence[str]) -> list[str]:
-    """Number of the phases of kinds, their slip, and how many had other contacts."""
-    found = [p for p in phases if f"{p.kind} S{p.stratum}" in labels]
-    slip = sum(phase.slip for phase in found)
-    wrong = sum(not phase.as_planned for phase in found)
-    return [str(len(found)), number(MM * slip, 1), str(wrong)]
 
 
 def counts(run: Run) -> Table:

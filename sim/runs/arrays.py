@@ -63,9 +63,8 @@ def archive(folder: Path, name: str, apart: Collection[str], check: bool) -> Arr
             falls = key.endswith("margin")  # minus infinity while no foot stands
             numbers = array[array != -np.inf] if falls else array
             if not (np.abs(numbers) < LARGEST).all():
-                raise ValueError(
-                    f"{key} of {name} is not finite, or beyond {LARGEST:g}"
-                )
+                what = f"{key} of {name} is not finite"
+                raise ValueError(f"{what}, or beyond {LARGEST:g}")
         return array
 
     with open_file(folder / name) as file:
@@ -121,6 +120,5 @@ def reading(folder: Path) -> Iterator[None]:
     except UsageError:
         raise
     except UNREADABLE as error:
-        reason = " ".join(str(error).split())
-        what = f"not a finished run, {reason}"
+        what = f"not a finished run, {' '.join(str(error).split())}"
         raise UsageError(what, str(folder), remedy) from error

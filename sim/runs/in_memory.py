@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -33,7 +34,7 @@ def run_of(
         summary=summary,
         phases=carried_out(evaluation.walk),
         arrays=trajectory(evaluation),
-        commands=_commands(evaluation.walk),
+        commands=Arrays(("time", "ctrl"), partial(_commands, evaluation.walk)),
         stops=followed.stops if (followed := evaluation.walk.followed) else (),
     )
 
@@ -58,9 +59,8 @@ def trajectory(evaluation: Evaluation) -> Arrays:
         "phase": np.searchsorted(starts, recording.during, side="right") - 1,
     }
     for key, prediction in predicted.items():
-        for quantity in ("pose", "slip", "margin"):
-            arrays[PREDICTIONS[key].array(quantity)] = getattr(prediction, quantity)
-        for quantity, array in prediction.further.items():
+        parts = {name: getattr(prediction, name) for name in ("pose", "slip", "margin")}
+        for quantity, array in (parts | prediction.further).items():
             arrays[PREDICTIONS[key].array(quantity)] = array
     if (real := evaluation.measured) is not None:
         arrays["measured_pose"] = real.pose
@@ -75,12 +75,8 @@ def trajectory(evaluation: Evaluation) -> Arrays:
     return Arrays((*arrays, START), load)
 
 
-def _commands(walk: Walk) -> Arrays:
-    """The arrays of commands.npz, computed from the schedules."""
-
-    def load(name: str) -> Array:
-        if name == "time":
-            return np.arange(walk.steps) * walk.setup.limits.timestep
-        return np.concatenate(list(walk.commands()))
-
-    return Arrays(("time", "ctrl"), load)
+def _commands(walk: Walk, name: str) -> Array:
+    """One of the arrays of commands.npz, computed from the schedules."""
+    if name == "time":
+        return np.arange(walk.steps) * walk.setup.limits.timestep
+    return np.concatenate(list(walk.commands()))
