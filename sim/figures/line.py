@@ -18,6 +18,7 @@ from sim.palette import Style
 SEGMENTS = (1, 4, 16, 60)  # drawn
 TUBE_SEGMENTS = (1, 2, 4, 8, 16, 32, 60, 120, 240)  # measured
 GOAL = (1.0, 1.0, 0.0)
+FINER = len(TUBE_SEGMENTS) // 2  # from which on their power is that of the limit
 METRES_GOAL = (0.03, 0.03, 0.0)
 METRES_LENGTH = 0.03 * np.sqrt(2)
 WALKS = {
@@ -35,7 +36,8 @@ def paper(axes: Mapping[str, Axes]) -> Shown:
     axes["d"].plot([0, GOAL[0]], [0, GOAL[1]], "--", color=INK, linewidth=0.7)
     measured = tube(GOAL, TUBE_SEGMENTS)
     n, error, width = measured.segments, measured.error, measured.width
-    walked_to = f"walked, power {measured.exponent:.2f}"
+    power, last = (exponent(measured.length[k:], width[k:]) for k in (FINER, -2))
+    walked_to = f"walked, power {power:.2f}"
     axes["e"].loglog(measured.length, width, "o-", label=walked_to, **_dots(IDEAL))
     axes["f"].loglog(n, error, "o-", label="walked", **_dots(IDEAL))
     axes["f"].loglog(n, error[-1] * n[-1] / n, "--", color=NOMINAL, label="one over n")
@@ -44,7 +46,7 @@ def paper(axes: Mapping[str, Axes]) -> Shown:
     axes["e"].set_ylim(top=2)  # room for the legend
     return Shown(
         rows_of(n, measured.length, width, measured.turn, error, error * n),
-        {"power": measured.exponent, "last": measured.last_exponent},
+        {"power": power, "last": last},
     )
 
 

@@ -121,17 +121,6 @@ class Tube:
     turn: Array  # largest departure from the line's heading, (K,) [rad]
     error: Array  # distance of the end from the goal, (K,)
 
-    @property
-    def exponent(self) -> float:
-        """Power of the length by which the width grows, over the finer half."""
-        fine = self.segments >= np.median(self.segments)
-        return exponent(self.length[fine], self.width[fine])
-
-    @property
-    def last_exponent(self) -> float:
-        """The same between the two finest divisions."""
-        return exponent(self.length[-2:], self.width[-2:])
-
 
 def follow(
     goal: Sequence[float], segments: int, samples: int = FLOW_STATES

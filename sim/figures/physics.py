@@ -83,7 +83,7 @@ def perform(job: Job) -> Walked:
 
 @contextmanager
 def begun(
-    jobs: Mapping[str, Job], finished: Callable[[Job], None]
+    jobs: Mapping[str, Job], finished: Callable[[Job, Future[Walked]], None]
 ) -> Iterator[Mapping[str, Future[Walked]]]:
     """Walks being computed in parallel, one on each core."""
     cores = min(len(os.sched_getaffinity(0)), len(jobs)) or 1
@@ -93,17 +93,13 @@ def begun(
             with deaf():
                 walks = {name: pool.submit(perform, jobs[name]) for name in later_first}
             for name, walk in walks.items():
-                walk.add_done_callback(partial(_tell, finished, jobs[name]))
+                walk.add_done_callback(partial(finished, jobs[name]))
             yield walks
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             for process in active_children():
                 process.kill()
             raise
-
-
-def _tell(finished: Callable[[Job], None], job: Job, _: Future[Walked]) -> None:
-    finished(job)
 
 
 def _gathered(evaluation: Evaluation) -> Walked:
@@ -136,5 +132,5 @@ def _gathered(evaluation: Evaluation) -> Walked:
 
 def _swept(setup: Setup, phase: Phase) -> int:
     """Index of the group that swings under load, -1 if none does."""
-    loaded = [i for i in phase.moving if setup.robot.groups[i] in phase.stratum]
-    return loaded[0] if phase.kind == "swing" and loaded else -1
+    loaded = (i for i in phase.moving if setup.robot.groups[i] in phase.stratum)
+    return next(loaded, -1) if phase.kind == "swing" else -1

@@ -219,7 +219,7 @@ def draw(
         worked += seconds
         progress("figures", min(worked / whole, 1.0))
 
-    with begun(jobs, lambda job: work(job.cost)) as walks:
+    with begun(jobs, lambda job, _: work(job.cost)) as walks:
         for name, kind, sheet in _sheets(needed, walks):
             save(sheet, folder.path)
             done[name, kind] = sheet

@@ -14,9 +14,7 @@ from sim.errors import UsageError
 
 FRAME_RATE = 25  # [1/s]
 MOST_PICTURES = 100_000  # an hour
-FILM_LENGTH = (
-    40.0  # [s] of the walk at most, unless a scenario sets the playback speed itself
-)
+FILM_LENGTH = 40.0  # [s] of the walk at most, where no playback speed is set
 TITLE, TAIL, RESULTS = 2.0, 1.5, 3.0  # [s] of title, last picture, card of results
 
 Stretch = tuple[float, float]
@@ -53,18 +51,19 @@ def clock(
     first, last = rows_of(time, stretch)
     duration = float(time[last] - time[first])
     if playback is None:
-        fast = (p for p in _round_speeds() if duration / p <= FILM_LENGTH - TAIL)
-        playback = next(fast)
+        playback = next(
+            p for p in _round_speeds() if duration / p <= FILM_LENGTH - TAIL
+        )
     if (moving := int(duration / playback * FRAME_RATE)) > MOST_PICTURES:
-        what, remedy = f"a film of {moving} pictures", "set playback higher"
-        where = f"playback = {playback:g} of the run"
-        raise UsageError(what, where, remedy)
+        what, where = (
+            f"a film of {moving} pictures",
+            f"playback = {playback:g} of the run",
+        )
+        raise UsageError(what, where, "set playback higher")
     moments = time[first] + np.arange(moving) * playback / FRAME_RATE
     whole = first == 0 and last == len(time) - 1
-    title, tail, results = (
-        round(seconds * FRAME_RATE)
-        for seconds in (whole * TITLE, TAIL, whole * RESULTS)
-    )
+    parts = (whole * TITLE, TAIL, whole * RESULTS)
+    title, tail, results = (round(seconds * FRAME_RATE) for seconds in parts)
     begin, end = np.full(title, first), np.full(tail + results, last)
     rows = np.concatenate([begin, np.searchsorted(time, moments), end])
     return Clock(playback, rows, title, results)

@@ -72,17 +72,16 @@ def ghost_of(walk: Run) -> str:
 
 def body_corners(model: mujoco.MjModel, root: int) -> Array:
     """Corners of boxes around what is seen of a body, in its frame, shape (n, 3)."""
-    geoms = np.flatnonzero((model.geom_bodyid == root) & (model.geom_rgba[:, 3] > 0))
-    return np.concatenate([_box(model, geom) for geom in geoms.tolist()])
-
-
-def _box(model: mujoco.MjModel, geom: int) -> Array:
-    """Corners of a box around a geom, in the frame of its body, shape (8, 3)."""
     sides = np.stack(np.meshgrid(*[(-1, 1)] * 3), axis=-1).reshape(-1, 3)
-    middle, half = np.split(model.geom_aabb[geom], 2)
-    turn = np.zeros(9)
-    mujoco.mju_quat2Mat(turn, model.geom_quat[geom])
-    return model.geom_pos[geom] + (middle + half * sides) @ turn.reshape(3, 3).T
+    corners, turn = [], np.zeros(9)
+    for geom in np.flatnonzero(
+        (model.geom_bodyid == root) & (model.geom_rgba[:, 3] > 0)
+    ):
+        middle, half = np.split(model.geom_aabb[geom], 2)
+        mujoco.mju_quat2Mat(turn, model.geom_quat[geom])
+        box = (middle + half * sides) @ turn.reshape(3, 3).T
+        corners.append(model.geom_pos[geom] + box)
+    return np.concatenate(corners)
 
 
 def decor(

@@ -89,8 +89,8 @@ def _first_that_draws(backends: tuple[str, ...]) -> str:
         if not (reason := _trial(backend)):
             return backend
         reasons.append(f"{backend}: {reason}")
-    what = "cannot draw pictures without a screen"
-    raise RenderError(what, "; ".join(reasons), INSTALL)
+    where = "; ".join(reasons)
+    raise RenderError("cannot draw pictures without a screen", where, INSTALL)
 
 
 def _trial(backend: str) -> str | None:
@@ -126,14 +126,13 @@ def _draw_one_frame() -> None:
 
 
 def _measure() -> float:
-    import mujoco  # only here: the driver is tied at this moment
+    import mujoco
 
     from models.description import FOLDER
     from sim.pictures.camera import HEIGHT, WIDTH
 
     spec = mujoco.MjSpec.from_file(str(FOLDER / "hexapod.xml"))
-    size = spec.visual.global_
-    size.offwidth, size.offheight = WIDTH, HEIGHT
+    spec.visual.global_.offwidth, spec.visual.global_.offheight = WIDTH, HEIGHT
     spec.visual.quality.offsamples = 0
     model = spec.compile()
     data = mujoco.MjData(model)
