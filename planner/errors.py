@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from difflib import get_close_matches
 
 
@@ -26,6 +26,14 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
 def unknown(name: str, known: Iterable[str]) -> str:
     """The end of a message on an unknown name: that it is unknown, and what to do."""
     return f"is unknown; {did_you_mean(name, known)}"
+
+
+def require_known(
+    what: str, name: str, known: Collection[str], error: type[Exception] = ValueError
+) -> None:
+    """Raise an error, `{what} is unknown; ...`, unless a name is among the known."""
+    if name not in known:
+        raise error(f"{what} {unknown(name, known)}")
 
 
 class PlannerError(Exception):

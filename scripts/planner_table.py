@@ -34,7 +34,8 @@ from planner import (
     rollout,
     steer,
 )
-from planner.systems import flow_map, rates_with
+from planner.optimisation import casadi_function
+from planner.systems import flow_map
 from scripts.pages import parser_of, tabulate
 
 Stroke = tuple[str, float]  # name of a field, signed duration
@@ -162,10 +163,9 @@ def optimised(problem: Problem) -> list[Stroke]:
 
 def _flow(problem: Problem, name: str, casadi: Any) -> Any:
     """The state after a field is followed, by Runge and Kutta's method, in symbols."""
-    functions = {word: getattr(casadi, word) for word in ("sin", "cos", "tan")}
     field, state = problem.system.fields[name], problem.system.state
     x, none = casadi.SX.sym("x", len(state)), casadi.SX.sym("none", 0)
-    rates = rates_with(field, state, functions)(*casadi.vertsplit(x))
+    rates = casadi_function(state, list(field))(x)
     motion = casadi.Function("motion", [x, none], [casadi.vertcat(*rates)])
     return casadi.simpleRK(motion, STEPS)
 

@@ -2,27 +2,38 @@
 
 This is the last step of Sec. 5.2: the flows of all segments are regrouped by stratum,
 with the fewest contact switches, and kept within the range of the legs.
+
+Words of an approximation of degree k miss brackets of degree k + 1. The error of two
+orders of the same flows may differ a hundredfold, and which one is the smaller depends
+on the goal and on the fields, so where accuracy is asked for, by a degree beyond that
+of the elements, words are played, with each generator run forward or backward first.
+Signs are chosen once for all segments of a plan, on a sample of them, where there are
+many, or the elements alone are of degree 3 and more.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from contextlib import suppress
+import gc
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
-from itertools import chain
+from itertools import chain, pairwise
 from typing import Literal, get_args
 
-from planner.errors import RangeError, StratumError, unknown
+import numpy as np
+
+from planner.errors import ConvergenceError, RangeError, StratumError, require_known
 from planner.execution.centring import centred
-from planner.execution.nearest_words import nearest_signs, nearest_words
 from planner.execution.stepping import StabilityTest, stepped
 from planner.extension.extended import ExtendedSystem
-from planner.extension.steering import Spelled, Wording
+from planner.extension.steering import Wording
 from planner.numerics.arrays import Array
-from planner.systems.flows import Flow, Word
+from planner.support.stopping import tick
+from planner.systems.flows import Flow, Word, flow_map
 from planner.systems.gait import regroup_in_gait
 from planner.systems.grouping import regroup
 from planner.systems.shape import ShapeLimits
+from planner.systems.strata import StratifiedSystem
 
 StanceRule = Literal["paper", "centred", "stepped"]
 Coordinates = Literal["backward", "forward", "fewest", "shortest", "symmetric"]
@@ -35,8 +46,30 @@ CHOICES: Mapping[str, tuple[tuple[Wording, ...], ...]] = {
     "fewest": (("backward", "forward"), ("backward",), ("forward",)),
 }
 """Sets of words to choose from; the next set is tried if limits refuse the plan."""
-SIGNED: tuple[Spelled, ...] = ("backward", "forward")
+ORDERS: tuple[Wording, ...] = (
+    "backward", "forward", "backward-turned", "forward-turned",
+)  # fmt: skip
 SIGNED_FROM = 3  # degree of words whose signs are tried; below, rectangles have corners
+SAMPLE = 8  # segments whose words are played
+EQUAL = 1e-6  # relative difference of misses that is taken for rounding
+AS_GOOD = 1.02  # times the smallest miss, with which the printed signs are kept
+
+
+@contextmanager
+def uncollected() -> Iterator[None]:
+    """Pause Python's garbage collector while many lasting objects are made.
+
+    Otherwise it takes a third of the time of a plan of thousands of segments, and finds
+    nothing.
+    """
+    if not gc.isenabled():
+        yield
+        return
+    gc.disable()
+    try:
+        yield
+    finally:
+        gc.enable()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,13 +118,10 @@ class Execution:
     gait: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        if self.stance not in get_args(StanceRule):
-            known = unknown(self.stance, get_args(StanceRule))
-            raise ValueError(f"stance {self.stance!r} {known}")
-        if self.coordinates not in CHOICES:
-            known = unknown(self.coordinates, CHOICES)
-            raise ValueError(f"coordinates {self.coordinates!r} {known}")
+        require_known(f"stance {self.stance!r}", self.stance, get_args(StanceRule))
+        require_known(f"coordinates {self.coordinates!r}", self.coordinates, CHOICES)
 
+    @uncollected()
     def flows(
         self, extended: ExtendedSystem, hall_coordinates: Array, nominal: Array
     ) -> list[list[Flow]]:
@@ -117,8 +147,7 @@ class Execution:
         system, steering = extended.system, extended.steering
         ends = (self.depart or system.bottom, self.arrive or system.bottom)
         for name in ends:
-            if name not in system.strata:
-                raise StratumError(f"stratum {name!r} {unknown(name, system.strata)}")
+            require_known(f"stratum {name!r}", name, system.strata, StratumError)
         start, shape_after = nominal[0], nominal[-1] if self.finish else None
         if steering.raised and len(orders) > 1:
             ways = [nearest_words(extended, hall_coordinates, nominal)]
@@ -145,10 +174,77 @@ class Execution:
         orders: Sequence[Wording],
     ) -> list[list[Word]]:
         """Words of all segments in each of the orders, with signs that suit them."""
-        steering, plain = extended.steering, [o for o in SIGNED if o in orders]
+        steering, starts = extended.steering, nominal[:-1]
         if steering.degree < SIGNED_FROM or self.coordinates != "fewest":
-            starts = nominal[:-1]
             return [steering.words(hall_coordinates, o, starts) for o in orders]
-        signs = nearest_signs(extended, hall_coordinates, nominal, plain)
-        measured, units = steering.measured(hall_coordinates, nominal[:-1])
-        return [steering.scaled_words(measured, o, units * signs) for o in plain]
+        signs = nearest_signs(extended, hall_coordinates, nominal, orders)
+        measured, units = steering.measured(hall_coordinates, starts)
+        return [steering.scaled_words(measured, o, units * signs) for o in orders]
+
+
+def nearest_words(
+    extended: ExtendedSystem, hall_coordinates: Array, nominal: Array
+) -> list[Word]:
+    """The word of each segment, in any order and signs, that ends nearest to its goal.
+
+    Coordinates and configurations are those of `Execution.flows`.
+    """
+    steering = extended.steering
+    every = list(steering.signs)
+    if len(hall_coordinates) > SAMPLE:
+        every = [nearest_signs(extended, hall_coordinates, nominal, ORDERS)]
+    hall_coordinates, units = steering.measured(hall_coordinates, nominal[:-1])
+    ways = [
+        steering.scaled_words(hall_coordinates, order, units * signs)
+        for signs in every
+        for order in ORDERS
+    ]
+    nearest = list[Word]()
+    ends = pairwise(nominal)
+    for words, (start, goal) in zip(zip(*ways, strict=True), ends, strict=True):
+        tick()
+        misses = [_miss(extended.system, word, start, goal) for word in words]
+        # words that mirror one another miss alike, and in turn they make up for that
+        equal = np.flatnonzero(np.array(misses) <= min(misses) * (1.0 + EQUAL))
+        nearest.append(words[equal[-(len(nearest) % 2)]])
+    return nearest
+
+
+def nearest_signs(
+    extended: ExtendedSystem,
+    hall_coordinates: Array,
+    nominal: Array,
+    orders: Sequence[Wording],
+) -> Array:
+    """Signs (m,) of the generators with which words in the orders end nearest to goals.
+
+    They are those of the units themselves where these are as good as any.
+    """
+    steering, count = extended.steering, len(hall_coordinates)
+    sample = np.unique(np.linspace(0, count - 1, SAMPLE).round().astype(int))
+    starts, goals = nominal[sample], nominal[sample + 1]
+    coordinates, units = (
+        each[sample] for each in steering.measured(hall_coordinates, nominal[:-1])
+    )
+
+    def miss(signs: Array, order: Wording) -> float:
+        tick()
+        words = steering.scaled_words(coordinates, order, units * signs)
+        segments = zip(words, starts, goals, strict=True)
+        return sum(_miss(extended.system, *segment) for segment in segments)
+
+    misses = [min(miss(signs, order) for order in orders) for signs in steering.signs]
+    # the first of the smallest; words that mirror one another miss alike
+    best = int(np.argmax(np.array(misses) <= min(misses) * (1.0 + EQUAL)))
+    return steering.signs[0 if misses[0] <= misses[best] * AS_GOOD else best]
+
+
+def _miss(system: StratifiedSystem, word: Word, start: Array, goal: Array) -> float:
+    """Distance of the end of a word from the goal; infinite where it escapes."""
+    state = start
+    try:
+        for name, duration in zip(word.fields, word.durations, strict=True):
+            state = flow_map(system, name, state, duration)
+    except ConvergenceError:
+        return np.inf
+    return float(system.length(state - goal))

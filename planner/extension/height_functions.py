@@ -22,7 +22,7 @@ import numpy as np
 import sympy as sp
 from numpy.polynomial.legendre import leggauss
 
-from planner.errors import unknown
+from planner.errors import require_known
 from planner.numerics.arrays import Array
 from planner.systems.fields import NumericField
 from planner.systems.flows import Flow
@@ -46,8 +46,7 @@ class StratifiedPanels:
 
     def at(self, coordinate: str, first: Array, second: Array) -> Array:
         """Height function of a coordinate at pairs of angles of the two strokes."""
-        if coordinate not in self.heights:
-            raise ValueError(f"panel {coordinate} {unknown(coordinate, self.heights)}")
+        require_known(f"panel {coordinate}", coordinate, self.heights)
         values = self._functions[coordinate](first, second)
         return np.broadcast_to(values, np.shape(first)).astype(float)
 
@@ -111,8 +110,7 @@ def stratified_panels(
     if functions:
         raise ValueError(f"field {functions[0]} is a Python function; give formulas")
     for name in strokes:
-        if name not in system.fields:
-            raise ValueError(f"field {name} {unknown(name, system.fields)}")
+        require_known(f"field {name}", name, system.fields)
     angles, speeds = _angles(shape, strokes)
     others = [i for i in range(system.dimension) if i not in shape.coordinates]
     still = [i for i in shape.coordinates if i not in angles]

@@ -11,6 +11,7 @@ from .optimise import (
 from .solver import (
     Expression as Expression,
     MissingSolverError as MissingSolverError,
+    casadi_function as casadi_function,
 )
 from .stages import (
     Stage as Stage,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from itertools import chain
 from typing import Literal
 
@@ -21,7 +21,7 @@ from planner.optimisation.refinement import PATH_POINTS, Refinement, Violations
 from planner.optimisation.search import Search
 from planner.optimisation.task import Solution, Task
 from planner.optimisation.windows import Report
-from planner.planning.algorithm import Plan, plan
+from planner.planning.algorithm import Plan, plan, plan_of_flows
 from planner.planning.paths import Path
 from planner.planning.rollouts import play
 from planner.support.stopping import answer, unlimited
@@ -51,28 +51,14 @@ class Criterion:
     complete: Completion | None = None
 
 
-def _coarse(
-    extended: ExtendedSystem,
-    path: Path,
-    execution: Execution,
-    begin: float,
-    end: float,
-    segments: int,
-) -> Sequence[Flow]:
-    """Flows of a stratified plan from one place on the path to another."""
-    piece = Path(lambda s: path.at(begin + (end - begin) * s))
-    return plan(extended, piece, segments, execution=execution).flows
-
-
 class Optimiser:
     """Strokes and recoveries that follow a path at the least cost.
 
     The search takes place once; plans for nearby goals start from its solutions. The
     plan names elements and basis of the extended system, and has a number of segments
-    of the path to which flows are assigned. Coarse stratified plans give first guesses
-    where it is said how they are carried out;
-    from the best plan the search hops to others, so many times in every window;
-    `report` is called with the share of the work that is done, from 0 to 1.
+    of the path to which flows are assigned. Coarse stratified plans, carried out by
+    `execution`, give first guesses. From the best plan of every window the search hops
+    to others, `hops` times. `report` is called with the share of the work that is done.
     """
 
     def __init__(
@@ -89,8 +75,13 @@ class Optimiser:
     ) -> None:
         self.task, self.criterion, self.extended = task, criterion, extended
         self.path, self.segments = path, segments
-        coarse = partial(_coarse, extended, path, execution) if execution else None
-        self._search = Search(task, path, self.score, coarse, report, hops)
+
+        def coarse(begin: float, end: float, count: int) -> Sequence[Flow]:
+            piece = Path(lambda s: path.at(begin + (end - begin) * s))
+            return plan(extended, piece, count, execution=execution).flows
+
+        guessed = coarse if execution else None
+        self._search = Search(task, path, self.score, guessed, report, hops)
         self._refinement = Refinement(task, path)
 
     @cached_property
@@ -158,18 +149,7 @@ class Optimiser:
         nominal = self.path.at(np.linspace(0.0, 1.0, self.segments + 1))
         nominal[-1] = goal
         elements, basis = self.extended.elements, self.extended.steering.basis
-        return Plan(
-            system=self.task.system,
-            elements=elements,
-            basis=basis,
-            flows=tuple(chain(*joined)),
-            segment_ends=tuple(np.cumsum([len(part) for part in joined]).tolist()),
-            inputs=np.zeros((self.segments, 1, len(elements))),
-            hall_coordinates=np.zeros((self.segments, len(basis))),
-            nominal=nominal,
-            depart=self.task.system.bottom,
-            arrive=self.task.system.bottom,
-        )
+        return plan_of_flows(self.task.system, elements, joined, nominal, basis)
 
     def _refined(self, solutions: Sequence[Solution], goal: Array) -> list[list[Flow]]:
         """Flows of each segment whose exact motion meets the goal and constraints."""

@@ -8,6 +8,7 @@ length of the path.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -16,11 +17,7 @@ from planner.errors import BoundError, BudgetError
 from planner.numerics.arrays import Array
 from planner.optimisation.constraints import CHECKED_SHARE, Margins
 from planner.optimisation.task import Solution, Task
-from planner.optimisation.windows import (
-    KEPT_WIDTH,
-    Window,
-    WindowSearch,
-)
+from planner.optimisation.windows import KEPT_WIDTH, Window, WindowSearch
 from planner.support.stopping import unlimited
 
 FEWEST, MANY = 3, 32  # stages that the search begins with, at least and at most
@@ -78,7 +75,9 @@ class Search(WindowSearch):
                     raise self._refusal(window, found)
                 count = _first_count(width * length)
                 continue
-            fitted = self._fitted(window, rungs) or [found]
+            fitted = [found]
+            with suppress(BudgetError):  # larger tolerances can do without
+                fitted = self.fitted(window, rungs) or fitted
             found = fitted[-1]
             if last and not done:
                 self.found = list(zip((self.task, *rungs), fitted, strict=False))
@@ -88,13 +87,6 @@ class Search(WindowSearch):
             first = done[-1].first + len(done[-1].strokes)
             self.report(place)
         return done
-
-    def _fitted(self, window: Window, rungs: Sequence[Task]) -> list[Solution]:
-        """The window's plans for larger tolerances; none if time is up."""
-        try:
-            return self.fitted(window, rungs)
-        except BudgetError:
-            return []
 
     def again(
         self, solution: Solution, goal: Array, margins: Margins
@@ -114,14 +106,11 @@ class Search(WindowSearch):
         relaxed = [i.name for i in self.task.inequalities if i.relaxed]
         names = " and ".join([] if self.without_soft else relaxed)
         if found is None:
-            remedy = (
-                f"ask for less {names}"
-                if names
-                else "take a path that the joint ranges allow"
-            )
+            less = f"ask for less {names}" if names else ""
             return BoundError(
                 f"no plan was found along the path, whatever its tolerances, at "
-                f"{window.ends[0]:.0%} of it; {remedy}"
+                f"{window.ends[0]:.0%} of it; "
+                + (less or "take a path that the joint ranges allow")
             )
         width = found.width * CHECKED_SHARE if names else found.width
         kept = " and ".join(f"{width * t.most:.3g}" for t in self.task.tolerances)

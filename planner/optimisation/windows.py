@@ -114,13 +114,11 @@ class WindowSearch:
         try:
             self._explore(window, count)
         except (KeyboardInterrupt, BudgetError) as stop:
-            if self.without_soft or not self._kept:
-                raise  # nothing is found
-            if isinstance(stop, BudgetError) and window.ends[1] < 1.0:
+            out_of_time = isinstance(stop, BudgetError) and window.ends[1] < 1.0
+            at_once = type(stop) not in (KeyboardInterrupt, BudgetError)
+            if self.without_soft or not self._kept or out_of_time or at_once:
                 raise
             if isinstance(stop, KeyboardInterrupt):
-                if type(stop) is not KeyboardInterrupt:
-                    raise  # there is no time to go on
                 answer(stop)
             self.hurried = True
         return self._best
@@ -155,10 +153,8 @@ class WindowSearch:
             few, count = count, min(max(count + 1, round(count * growth)), MOST_STAGES)
         while count - few > max(1, count * (STRIDE - 1)) and not self.hurried:
             middle = (few + count) // 2
-            if self._width(window, middle, ROUGHLY) <= KEPT_WIDTH:
-                count = middle
-            else:
-                few = middle
+            kept = self._width(window, middle, ROUGHLY) <= KEPT_WIDTH
+            few, count = (few, middle) if kept else (middle, count)
         return count
 
     def _improve(self, window: Window, count: int) -> None:
@@ -274,13 +270,10 @@ class WindowSearch:
             self._best = min(best, found, key=lambda solution: solution.width)
         elif found.width <= KEPT_WIDTH:
             self._best = min(best, found, key=self.score)
-        if found is None or found.width > KEPT_WIDTH:
+        if found is None or found.width > KEPT_WIDTH or self.without_soft:
             return
-        if not self.without_soft:
-            self._kept_plans.append(found)
-        if found is not self._best:
-            return
-        if not self.without_soft:
+        self._kept_plans.append(found)
+        if found is self._best:
             stages, begin = len(found.strokes), float(found.places[0])
             tick(f"{stages} stages from {begin:.0%} of the path on")
 

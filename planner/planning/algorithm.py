@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from bisect import bisect_left
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
-from itertools import chain, groupby, pairwise
+from itertools import accumulate, chain, groupby, pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from planner.errors import RangeError, ResolutionError, unknown
+from planner.errors import RangeError, ResolutionError, require_known
 from planner.execution.execution import Execution
 from planner.extension.extended import ExtendedSystem
 from planner.numerics.arrays import Array
-from planner.numerics.collector import uncollected
 from planner.planning.nominal import (
     Steerable,
     default_nodes,
@@ -27,13 +28,8 @@ from planner.planning.nominal import (
 from planner.planning.paths import Path, as_path
 from planner.support.stopping import tick
 from planner.systems.elements import parse
-from planner.systems.flows import (
-    Flow,
-    contact_switches,
-    require_flows,
-    visits,
-)
-from planner.systems.gait import gait_walk, walk_switches
+from planner.systems.flows import Flow, contact_switches, require_flows, visits
+from planner.systems.gait import gait_steps, walk_switches
 from planner.systems.strata import StratifiedSystem
 
 MOST_TRIED = 10_000  # segments, where a plan needs more of them to keep its limits
@@ -88,10 +84,7 @@ class Plan:
         for element in self.elements:
             parse(element, self.system)
         for name in (self.depart, self.arrive):
-            if name not in self.system.strata:
-                raise ValueError(
-                    f"stratum {name!r} {unknown(name, self.system.strata)}"
-                )
+            require_known(f"stratum {name!r}", name, self.system.strata)
         ends = (0, *self.segment_ends)
         if list(ends) != sorted(ends) or ends[-1] != len(self.flows):
             raise ValueError(
@@ -130,9 +123,10 @@ class Plan:
         """Strata visited in turn: all along the gait, or those of flows without one."""
         ends = self.depart, self.arrive
         if self.gait:
-            return gait_walk(self.system, self.flows, self.gait, ends)
-        visited = [ends[0], *(flow.stratum for flow in self.flows), ends[1]]
-        return tuple(stratum for stratum, _ in groupby(visited))
+            steps = gait_steps(self.system, self.flows, self.gait, ends)
+            return (ends[0], *chain(*steps))
+        visited = groupby([ends[0], *(flow.stratum for flow in self.flows), ends[1]])
+        return tuple(stratum for stratum, _ in visited)
 
     def segments(self) -> Iterator[tuple[Flow, ...]]:
         """The flows of each segment."""
@@ -140,18 +134,17 @@ class Plan:
             yield self.flows[first:last]
 
     def __str__(self) -> str:
+        def written(stay: Sequence[Flow]) -> str:
+            moves = " ".join(f"{f.duration:+.6g} {f.field}" for f in stay)
+            return f"S{stay[0].stratum} {moves}"
+
         lines = [
             f"{len(self.segment_ends)} segments, {len(self.flows)} flows, "
             f"{self.contact_switches} contact switches; "
             f"elements {', '.join(self.elements)}"
         ]
         for k, flows in enumerate(self.segments(), start=1):
-            stays = (
-                f"S{stay[0].stratum} "
-                + " ".join(f"{f.duration:+.6g} {f.field}" for f in stay)
-                for stay in visits(flows)
-            )
-            lines.append(f"{k:4d}  " + " | ".join(stays))
+            lines.append(f"{k:4d}  " + " | ".join(map(written, visits(flows))))
         return "\n".join(lines)
 
 
@@ -178,16 +171,14 @@ def plan(
             that of the robot's equations, or the order of the paper.
         nodes: Number of samples of the path in each segment; larger for long segments
             if it is not given.
-        degree: Degree of the nilpotent approximation, the "higher order" of Sec. 6: the
-            elements remain, and their words are exact to that degree. By default it is
-            the degree of the elements, or that of the extended system.
+        degree: Degree of the nilpotent approximation, the "higher order" of Sec. 6, to
+            which words are exact; that of elements or extended system by default.
 
     Raises:
         ValueError: An argument is out of range or misshapen, or the path is not finite
             or not on the bottom stratum.
-        PlannerError: The elements lose rank on the path, or do not reach its velocity,
-            or the path has a corner for every segment; or the elements are nearly
-            singular, and the plan ends no nearer to the goal.
+        PlannerError: The elements lose rank on the path, do not reach its velocity, or
+            are nearly singular and end no nearer to the goal; or corners are too many.
         RangeError: The plan leaves the limits; it suggests a number of segments.
 
     Example:
@@ -201,13 +192,13 @@ def plan(
     if not isinstance(system, StratifiedSystem | ExtendedSystem):
         nominal = system.configurations(nominal)
         elements = system.elements if elements is None else elements
-        execution = system.execution if execution is None else execution
+        execution = execution or system.execution
         system = system.system
     require_segments(segments, nominal)
     extended = extend_along(system, elements, nominal)
     if degree is not None:
         extended = extended.to_degree(degree)
-    execution = Execution() if execution is None else execution
+    execution = execution or Execution()
     try:
         planned = follow_path(extended, nominal, segments, execution, nodes)
         require_use(extended, planned.nominal, planned.flows)
@@ -224,8 +215,7 @@ def follow_path(
     nodes: int | None = None,
 ) -> Plan:
     """The five steps of Sec. 5.2 for one number of segments; no other is tried."""
-    nodes = nodes or default_nodes(segments)
-    samples = sample(path, extended.system, segments, nodes)
+    samples = sample(path, extended.system, segments, nodes or default_nodes(segments))
     tick()
     inputs = fictitious_inputs_along(extended, samples)
     tick()
@@ -243,21 +233,41 @@ def assemble(
     execution: Execution,
 ) -> Plan:
     """The plan for given Hall coordinates (step 5 of Sec. 5.2); shapes as in `Plan`."""
-    with uncollected():
-        ordered = execution.flows(extended, hall_coordinates, nominal)
-        flows = tuple(chain.from_iterable(ordered))
+    ordered = execution.flows(extended, hall_coordinates, nominal)
     return Plan(
         system=extended.system,
         elements=extended.elements,
         basis=extended.steering.basis,
-        flows=flows,
-        segment_ends=tuple(np.cumsum(list(map(len, ordered))).tolist()),
+        flows=tuple(chain.from_iterable(ordered)),
+        segment_ends=tuple(accumulate(map(len, ordered))),
         inputs=inputs,
         hall_coordinates=hall_coordinates,
         nominal=nominal,
         depart=execution.depart or extended.system.bottom,
         arrive=execution.arrive or extended.system.bottom,
         gait=execution.gait,
+    )
+
+
+def plan_of_flows(
+    system: StratifiedSystem,
+    elements: tuple[str, ...],
+    segments: Sequence[Sequence[Flow]],
+    nominal: Array,
+    basis: tuple[str, ...] = (),
+) -> Plan:
+    """A plan of given flows, whose inputs and Hall coordinates count for nothing."""
+    return Plan(
+        system=system,
+        elements=elements,
+        basis=basis,
+        flows=tuple(chain.from_iterable(segments)),
+        segment_ends=tuple(accumulate(map(len, segments))),
+        inputs=np.zeros((len(segments), 1, len(elements))),
+        hall_coordinates=np.zeros((len(segments), len(basis))),
+        nominal=nominal,
+        depart=system.bottom,
+        arrive=system.bottom,
     )
 
 
@@ -268,10 +278,7 @@ def with_remedy(
     segments: int,
     execution: Execution,
 ) -> RangeError:
-    """The same error with the smallest number of segments found to keep the limits.
-
-    The given number does not suffice; larger ones are tried.
-    """
+    """The error with the fewest segments, beyond those given, that keep the limits."""
     for end in (path(0.0), path(1.0)):
         try:
             extended.shape.require_within(execution.limits, (), end)
@@ -280,18 +287,14 @@ def with_remedy(
 
     def fits(segments: int) -> bool:
         tick(f"trying whether {segments} segments suffice")
-        try:
-            follow_path(extended, path, segments, execution)
-        except (RangeError, ResolutionError):
-            return False
-        return True
+        with suppress(RangeError, ResolutionError):
+            return bool(follow_path(extended, path, segments, execution))
+        return False
 
     low, high = segments, 2 * segments
     while not fits(high):
         low, high = high, 2 * high
         if high > MOST_TRIED:
             return refusal.with_segments(None, f"{low} segments do not suffice")
-    while high - low > 1:
-        middle = (low + high) // 2
-        low, high = (low, middle) if fits(middle) else (middle, high)
-    return refusal.with_segments(high)
+    between = range(low + 1, high)
+    return refusal.with_segments(low + 1 + bisect_left(between, True, key=fits))

@@ -30,7 +30,7 @@ from sympy.simplify.fu import fu
 from planner.errors import PlannerError
 from planner.extension.extended import ExtendedSystem, extend
 from planner.numerics.arrays import Array
-from planner.planning.algorithm import Plan, plan
+from planner.planning.algorithm import Plan, plan, plan_of_flows
 from planner.planning.paths import line
 from planner.planning.plane import Plane
 from planner.planning.rates import declared_or_derived, rate_along, vanishes
@@ -201,24 +201,12 @@ def _apart(plan: Plan, goal: Array) -> float:
 def _plan_of(
     system: StratifiedSystem, parts: Sequence[Sequence[Flow]], start: Array
 ) -> Plan:
-    """A plan of given flows in segments."""
-    flows = tuple(chain(*parts))
-    names = tuple(dict.fromkeys(flow.field for flow in flows))
+    """A plan of given flows in segments, whose elements are the fields."""
+    names = tuple(dict.fromkeys(flow.field for flow in chain(*parts)))
     nominal = [start]
     for part in parts:
         nominal.append(play(system, part, nominal[-1])[-1])
-    return Plan(
-        system=system,
-        elements=names,
-        basis=(),
-        flows=flows,
-        segment_ends=tuple(np.cumsum([len(part) for part in parts]).tolist()),
-        inputs=np.zeros((len(parts), 1, len(names))),
-        hall_coordinates=np.zeros((len(parts), 0)),
-        nominal=np.array(nominal),
-        depart=system.bottom,
-        arrive=system.bottom,
-    )
+    return plan_of_flows(system, names, parts, np.array(nominal))
 
 
 def chained_form(

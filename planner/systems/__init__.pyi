@@ -6,7 +6,6 @@ from .fields import (
     NumericField as NumericField,
     VectorField as VectorField,
     bracket as bracket,
-    rates_with as rates_with,
 )
 from .flows import (
     Flow as Flow,
@@ -21,7 +20,6 @@ from .formulas import (
 from .gait import (
     Gait as Gait,
     gait_steps as gait_steps,
-    gait_walk as gait_walk,
     walk_switches as walk_switches,
 )
 from .grouping import regroup as regroup

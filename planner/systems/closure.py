@@ -97,8 +97,7 @@ class _Span:
 
     def algebra(self, depth: int, complete: bool) -> LieClosure:
         """The algebra found so far; a degree that was cut short does not count."""
-        names = tuple(name for name, _ in self._known)
-        fields = tuple(field for _, field in self._known)
+        names, fields = zip(*self._known, strict=True) if self._known else ((), ())
         if self.full:
             depth, complete = max(1, depth - 1), False
         return LieClosure(names, fields, self._columns, depth, complete)
@@ -146,9 +145,8 @@ def exact_rank(fields: Iterable[VectorField], state: Symbols, at: Array) -> int 
     function or has an irrational value there, or the matrix has too many entries.
     """
     columns = list(fields)
-    if any(isinstance(field, NumericField) for field in columns):
-        return None
-    if len(columns) * len(state) > MOST_ENTRIES:
+    by_functions = any(isinstance(field, NumericField) for field in columns)
+    if by_functions or len(columns) * len(state) > MOST_ENTRIES:
         return None
     place = {s: _decimal(value) for s, value in zip(state, at.tolist(), strict=True)}
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from math import inf
 from typing import Any
 
 import numpy as np
 import sympy as sp
 
-from planner.errors import point, unknown
+from planner.errors import point, require_known
 from planner.systems.fields import (
     DIFFERENCE,
     NumericField,
@@ -142,7 +142,7 @@ def _is_real(number: sp.Expr) -> bool:
 
 
 def checked_level_sets(
-    level_sets: Mapping[str, Written], strata: Iterable[str], state: Symbols
+    level_sets: Mapping[str, Written], strata: Collection[str], state: Symbols
 ) -> dict[str, tuple[sp.Expr, ...]]:
     """Expressions that vanish on each stratum, given as one or several or as strings.
 
@@ -150,10 +150,7 @@ def checked_level_sets(
     """
     checked: dict[str, tuple[sp.Expr, ...]] = {}
     for stratum, given in level_sets.items():
-        if stratum not in strata:
-            raise ValueError(
-                f"level set of stratum {stratum!r}, which {unknown(stratum, strata)}"
-            )
+        require_known(f"level set of stratum {stratum!r}, which", stratum, strata)
         listed = given if isinstance(given, (tuple, list)) else [given]
         what = f"level set of S{stratum}"
         functions = checked[stratum] = tuple(
@@ -179,10 +176,9 @@ def checked_metric(
     metric: Mapping[str | sp.Symbol, float], state: Symbols
 ) -> dict[str, float]:
     """Lengths that units of coordinates count as, by name, but for those of 1."""
-    names = list(map(str, state))
+    names = [str(symbol) for symbol in state]
     for name, weight in metric.items():
-        if str(name) not in names:
-            raise ValueError(f"metric has {name}, which {unknown(str(name), names)}")
+        require_known(f"metric has {name}, which", str(name), names)
         if not 0.0 < weight < inf:
             raise ValueError(
                 f"metric has {name} = {weight}; give the length that a unit of it "
@@ -198,13 +194,8 @@ def checked_lifts(
     """Names of the lift fields of strata, each a field of its stratum."""
     checked = {}
     for stratum, given in lifts.items():
-        if stratum not in strata:
-            raise ValueError(
-                f"lifts of stratum {stratum!r}, which {unknown(stratum, strata)}"
-            )
+        require_known(f"lifts of stratum {stratum!r}, which", stratum, strata)
         checked[stratum] = (given,) if isinstance(given, str) else tuple(given)
         for name in checked[stratum]:
-            if name not in strata[stratum]:
-                known = unknown(name, strata[stratum])
-                raise ValueError(f"lift {name!r} of S{stratum} {known}")
+            require_known(f"lift {name!r} of S{stratum}", name, strata[stratum])
     return checked

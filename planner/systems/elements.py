@@ -10,7 +10,7 @@ import re
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from planner.errors import unknown
+from planner.errors import require_known
 from planner.systems.fields import VectorField, lie_bracket
 from planner.systems.strata import StratifiedSystem
 
@@ -25,11 +25,9 @@ def parse(text: str, system: StratifiedSystem) -> Tree:
     names = list(system.fields)
 
     def resolve(name: str) -> str:
-        if name in system.fields:
+        if name in names or not name.isdigit():
+            require_known(f"element {text}: field {name}", name, names)
             return name
-        if not name.isdigit():
-            known = unknown(name, system.fields)
-            raise ValueError(f"element {text}: field {name} {known}")
         if not 1 <= int(name) <= len(names):
             raise ValueError(
                 f"element {text}: generators are numbered 1 to {len(names)}"

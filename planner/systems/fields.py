@@ -7,7 +7,7 @@ A field is a column of sympy expressions in the symbols of the state, or a
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -55,8 +55,7 @@ def bracket(f: sp.Matrix, g: sp.Matrix, x: Sequence[sp.Symbol]) -> sp.Matrix:
             for entry in of
         ]
 
-    pairs = zip(change(g, f), change(f, g), strict=True)
-    return sp.ImmutableMatrix([a - b for a, b in pairs])
+    return sp.ImmutableMatrix(change(g, f)) - sp.ImmutableMatrix(change(f, g))
 
 
 def _column(field: sp.Matrix, size: int) -> sp.Matrix:
@@ -249,19 +248,6 @@ def compile_fields(
     )
     names = tuple(names) or tuple(f"field {j + 1}" for j in range(len(fields)))
     return CompiledFields(names, constant, tuple(varying), function, tuple(numeric))
-
-
-def rates_with(
-    field: sp.Matrix, state: Symbols, functions: Mapping[str, Callable[..., object]]
-) -> Callable[..., list[object]]:
-    """The rates of a field as a function of the numbers of another library.
-
-    That library's functions are given by the names of sympy's.
-    """
-    rates: Callable[..., list[object]] = sp.lambdify(
-        state, list(field), modules=[dict(functions)]
-    )
-    return rates
 
 
 def sample_configurations(size: int, count: int = PROBES) -> Array:

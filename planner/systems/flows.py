@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from planner.errors import unknown
+from planner.errors import require_known
 from planner.numerics.arrays import Array
 from planner.numerics.collocation import follow
 from planner.systems.strata import StratifiedSystem
@@ -48,11 +48,8 @@ class Word(NamedTuple):
 def require_flows(system: StratifiedSystem, flows: Sequence[Flow]) -> None:
     """Raise `ValueError` unless flows are finite and name strata and fields."""
     for stratum, field in dict.fromkeys(map(itemgetter(0, 1), flows)):
-        if stratum not in system.strata:
-            known = unknown(stratum, system.strata)
-            raise ValueError(f"flow on stratum {stratum!r}, which {known}")
-        if field not in system.fields:
-            raise ValueError(f"field {field} {unknown(field, system.fields)}")
+        require_known(f"flow on stratum {stratum!r}, which", stratum, system.strata)
+        require_known(f"field {field}", field, system.fields)
         if (owner := system.stratum_of[field]) != stratum:
             raise ValueError(
                 f"flow along {field} on S{stratum}; the field belongs to S{owner}"

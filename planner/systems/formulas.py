@@ -15,17 +15,11 @@ FUNCTIONS: Mapping[str, Callable[..., sp.Expr]] = {
 }
 CONSTANTS: Mapping[str, sp.Expr] = {"pi": sp.pi}
 RESERVED = frozenset({*FUNCTIONS, *CONSTANTS})  # names that coordinates cannot have
-BINARY: Mapping[type, Callable[[sp.Expr, sp.Expr], sp.Expr]] = {
-    ast.Add: operator.add,
-    ast.Sub: operator.sub,
-    ast.Mult: operator.mul,
-    ast.Div: operator.truediv,
+OPERATORS: Mapping[type, Callable[..., sp.Expr]] = {
+    ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul,
+    ast.Div: operator.truediv, ast.USub: operator.neg, ast.UAdd: operator.pos,
     ast.Pow: lambda base, exponent: _power(base, exponent),
-}
-UNARY: Mapping[type, Callable[[sp.Expr], sp.Expr]] = {
-    ast.USub: operator.neg,
-    ast.UAdd: operator.pos,
-}
+}  # fmt: skip
 LONGEST_FORMULA = 10_000  # characters of one formula
 MOST_BITS = 1024  # of an integer, or of the parts of a fraction
 QUOTED = 60  # characters of a formula in a message
@@ -81,10 +75,10 @@ def _expression(node: ast.expr, names: Mapping[str, sp.Expr], text: str) -> sp.E
             return sp.sympify(node.value)
         case ast.Name(id=name) if name in names:
             return names[name]
-        case ast.BinOp(left=left, op=op, right=right) if type(op) in BINARY:
-            return BINARY[type(op)](part(left), part(right))
-        case ast.UnaryOp(op=op, operand=operand) if type(op) in UNARY:
-            return UNARY[type(op)](part(operand))
+        case ast.BinOp(left=left, op=op, right=right) if type(op) in OPERATORS:
+            return OPERATORS[type(op)](part(left), part(right))
+        case ast.UnaryOp(op=op, operand=operand) if type(op) in OPERATORS:
+            return OPERATORS[type(op)](part(operand))
         case ast.Call(func=ast.Name(id=name), args=args, keywords=[]) if (
             name in FUNCTIONS
         ):

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from itertools import chain, pairwise
+from itertools import pairwise
 from operator import itemgetter
 
-from planner.errors import StratumError, unknown
+from planner.errors import StratumError, require_known
 from planner.systems.flows import Flow, Word
 from planner.systems.grouping import Grouper, run_on
 from planner.systems.strata import StratifiedSystem
@@ -42,14 +42,11 @@ class Gait:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "strata", tuple(self.strata))
-        known = self.system.strata
         if not self.strata:
             raise StratumError("a gait visits at least one stratum, got none (eq. 11)")
         for name in self.strata:
-            if name not in known:
-                raise StratumError(
-                    f"stratum {name!r} of gait {self} {unknown(name, known)}"
-                )
+            what = f"stratum {name!r} of gait {self}"
+            require_known(what, name, self.system.strata, StratumError)
         if self.strata[0] != self.strata[-1]:
             raise StratumError(
                 f"gait {self} does not close: it starts in S{self.strata[0]} and "
@@ -94,19 +91,6 @@ def regroup_in_gait(
             ordered.append(grouper.flows(way, order))
         plans.append((place, ordered))
     return min(plans, key=itemgetter(0))[1]
-
-
-def gait_walk(
-    system: StratifiedSystem,
-    flows: Iterable[Flow],
-    gait: Sequence[str],
-    ends: tuple[str, str],
-) -> tuple[str, ...]:
-    """All strata that flows visit in turn along a gait; the arguments of `gait_steps`.
-
-    Strata on which nothing flows are included.
-    """
-    return (ends[0], *chain(*gait_steps(system, flows, gait, ends)))
 
 
 def gait_steps(

@@ -142,34 +142,29 @@ class Grouper:
         return flows if all(found) else [flow for flow in flows if flow.duration]
 
     def _join(self, pattern: Pattern, order: tuple[int, ...]) -> Joined:
-        """Which flows of a pattern become one flow, in a given order."""
-        joined: list[list[int]] = []
+        """Which flows of a pattern become one flow, in a given order.
+
+        A flow joins the last one along its field if those since then are on the same
+        stratum and commute with it.
+        """
+        stratum, joined = self.system.stratum_of, list[list[int]]()
         for k in order:
-            partner = self._partner(
-                [pattern[places[0]] for places in joined], pattern[k]
-            )
-            if partner is None:
-                joined.append([k])
-            else:
-                joined[partner].append(k)
+            name, here = pattern[k], list[int]()
+            for places in reversed(joined):
+                other = pattern[places[0]]
+                if other == name:
+                    here = places
+                    break
+                if stratum[other] != stratum[name] or not self.commute(other, name):
+                    break
+            if not here:
+                joined.append(here)
+            here.append(k)
         firsts = tuple(places[0] for places in joined)
         names = tuple(pattern[k] for k in firsts)
-        strata = tuple(self.system.stratum_of[name] for name in names)
+        strata = tuple(stratum[name] for name in names)
         several = [(i, places[1:]) for i, places in enumerate(joined) if places[1:]]
         return strata, names, firsts, several
-
-    def _partner(self, fields: Sequence[str], name: str) -> int | None:
-        """The last flow along the field, if the flows since then let it be joined.
-
-        They must be on the same stratum and commute with it.
-        """
-        stratum = self.system.stratum_of
-        for i, other in reversed(list(enumerate(fields))):
-            if other == name:
-                return i
-            if stratum[other] != stratum[name] or not self.commute(other, name):
-                break
-        return None
 
 
 def _open(strata: Sequence[str], done: int) -> dict[str, None]:

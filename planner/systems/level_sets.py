@@ -92,14 +92,13 @@ class LevelSet:
         residual, slopes = self._linear(x)
         there = ~residual.any(axis=1)
         faded = (_steepness(slopes) <= FADED * steepest).any()
+        # without a slope functions come to zero ever more slowly
+        faded |= not there.any() and (np.abs(residual).max(axis=1) < TOUCHED).any()
         if faded or any(rank(rows.T) < len(self.functions) for rows in slopes[there]):
             raise ValueError(self._singular)
         if not there.any():
-            if (np.abs(residual).max(axis=1) < TOUCHED).any():  # ever more slowly
-                raise ValueError(self._singular)
-            raise ValueError(
-                f"found no configuration where {self._listed} vanish together"
-            )
+            listed = ", ".join(map(str, self.functions))
+            raise ValueError(f"found no configuration where {listed} vanish together")
         return x[there]
 
     def require_regular(self, x: Array) -> None:
@@ -108,12 +107,9 @@ class LevelSet:
             raise ValueError(f"{self._singular}, at {point(x)}")
 
     @property
-    def _listed(self) -> str:
-        return ", ".join(map(str, self.functions))
-
-    @property
     def _singular(self) -> str:
-        return f"{self._listed} are not independent where they vanish (Def. 1)"
+        listed = ", ".join(map(str, self.functions))
+        return f"{listed} are not independent where they vanish (Def. 1)"
 
     def _linear(self, x: Array) -> tuple[Array, Array]:
         """Values, shape (points, codimension), and differentials (..., n) at them."""

@@ -13,7 +13,7 @@ from itertools import chain
 
 import numpy as np
 
-from planner.errors import RangeError, unknown
+from planner.errors import RangeError, require_known
 from planner.numerics.arrays import Array
 from planner.systems.fields import NumericField, VectorField
 from planner.systems.flows import Flow
@@ -100,8 +100,7 @@ class ShapeCoordinates:
                 raise RangeError(name, float(worst), low, high)
 
     def _index(self, name: str, low: float, high: float) -> int:
-        if name not in self.names:
-            raise ValueError(f"limit of {name}, which {unknown(name, self.names)}")
+        require_known(f"limit of {name}, which", name, self.names)
         if not low < high:
             raise ValueError(
                 f"limits of {name} are empty: {low} to {high}; give the lower one first"

@@ -17,7 +17,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike
 
-from planner.errors import StratumError, point, unknown
+from planner.errors import StratumError, point, require_known
 from planner.numerics.arrays import Array
 from planner.numerics.subspaces import directions_beyond
 from planner.systems.declaration import (
@@ -80,8 +80,7 @@ class StratifiedSystem:
         normalised = checked_state(self.state)
         strata = checked_strata(self.strata, normalised)
         level_sets = checked_level_sets(self.level_sets, strata, normalised)
-        if self.bottom not in strata:
-            raise ValueError(f"bottom {self.bottom!r} {unknown(self.bottom, strata)}")
+        require_known(f"bottom {self.bottom!r}", self.bottom, strata)
         for name, value in (
             ("state", normalised),
             ("strata", strata),
@@ -123,8 +122,7 @@ class StratifiedSystem:
     def compiled(self, name: str) -> CompiledFields:
         """A field as a numeric function, compiled at the first call."""
         if name not in self._compiled:
-            if name not in self.fields:
-                raise ValueError(f"field {name} {unknown(name, self.fields)}")
+            require_known(f"field {name}", name, self.fields)
             compiled = compile_fields([self.fields[name]], self.state, [name])
             self._compiled[name] = compiled
         return self._compiled[name]
@@ -192,8 +190,7 @@ class StratifiedSystem:
             StratumError: A stratum is unknown, or the graph does not join the two.
         """
         for name in (start, goal):
-            if name not in self.strata:
-                raise StratumError(f"stratum {name!r} {unknown(name, self.strata)}")
+            require_known(f"stratum {name!r}", name, self.strata, StratumError)
         if (start, goal) not in self.switch_counts:
             raise StratumError(
                 f"no chain of nested strata joins S{start} to S{goal}; "

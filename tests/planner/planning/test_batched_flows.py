@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from models.systems.catalogue import SYSTEMS, shipped_system
-from planner.planning.batched_flows import Level, batched, levels
+from planner.planning.rollouts import Level, batched, levels
 from planner.systems.flows import Flow, flow_map
 from planner.systems.strata import StratifiedSystem
 

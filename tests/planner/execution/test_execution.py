@@ -1,13 +1,13 @@
 """Words of a raised degree: every order is exact, and the nearest end is taken."""
 
+import gc
 from functools import cache
 
 import numpy as np
 import pytest
 import sympy
 
-from planner.execution.execution import Execution
-from planner.execution.nearest_words import ORDERS, nearest_words
+from planner.execution.execution import ORDERS, Execution, nearest_words, uncollected
 from planner.extension.extended import extend
 from planner.lie.coordinates import exponential
 from planner.lie.hall import hall_basis
@@ -145,3 +145,19 @@ def test_ties_of_mirrored_words_do_not_depend_on_units(degree):
         misses.append(np.linalg.norm(rollout(found)[-1] - (0, 1, 0)))
     assert misses == pytest.approx([misses[0]] * 4, rel=1e-6)
     assert misses[0] < {3: 0.055, 4: 0.006}[degree]  # 0.057, 0.012 with either alone
+
+
+def test_garbage_is_collected_again_after_an_error():
+    with pytest.raises(KeyError), uncollected():
+        raise KeyError
+    assert gc.isenabled()
+
+
+def test_a_collector_that_is_off_stays_off():
+    gc.disable()
+    try:
+        with uncollected():
+            assert not gc.isenabled()
+        assert not gc.isenabled()
+    finally:
+        gc.enable()
