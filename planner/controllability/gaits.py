@@ -121,7 +121,8 @@ def gait_controllability(
         (True, 'closure', 3, 3)
     """
     walk = Gait(system, tuple(gait))
-    home = system.level_set(walk.strata[0])
+    first = walk.strata[0]
+    home = system.level_set(first)
     x = _configuration(system, home, at)
     dimension = system.dimension - len(home.functions)
     algebras = {
@@ -129,10 +130,9 @@ def gait_controllability(
         for stratum in dict.fromkeys(walk.strata)
     }
     filtered = _filtration(system, walk, algebras, x)
-    union = algebras[walk.strata[0]]
-    tangent = _tangent_fields(system, walk.strata, walk.strata[0])
+    union, tangent = algebras[first], _tangent_fields(system, walk.strata, first)
     if len(algebras) > 1:
-        union = _closure_to(tangent, system, walk.strata[0], x, max_depth)
+        union = _closure_to(tangent, system, first, x, max_depth)
     closed = column_space(union.columns)
     if max(filtered.shape[1], closed.shape[1]) < dimension:
         every = [*tangent.values(), *union.fields]
@@ -140,11 +140,9 @@ def gait_controllability(
             closed = null_space(home.gradients(x).T)
     reached = max(filtered, closed, key=lambda space: space.shape[1])
     controllable = reached.shape[1] == dimension
-    missing: tuple[str, ...] = ()
-    unjudged: tuple[str, ...] = ()
-    advice: tuple[str, ...] = ()
+    missing = unjudged = advice = tuple[str, ...]()
     if not controllable:
-        missing = system.missing(reached, x, walk.strata[0])
+        missing = system.missing(reached, x, first)
         unjudged = _unjudged(system, walk.strata, union)
         advice = (*unjudged, *_advice(system, walk, x, union, max_depth, missing))
     tests = {"filtration": filtered.shape[1], "closure": closed.shape[1]}
@@ -192,11 +190,7 @@ def _closure_to(
 ) -> LieClosure:
     """The involutive closure of fields, until it spans a stratum's tangent space."""
     size = system.dimension - len(system.level_set(stratum).functions)
-
-    def spans(algebra: LieClosure) -> bool:
-        return rank(algebra.columns) == size
-
-    return involutive_closure(fields, system.state, x, max_depth, spans)
+    return involutive_closure(fields, system.state, x, max_depth, size)
 
 
 def _filtration(
@@ -254,7 +248,7 @@ def _depends_on_units(union: LieClosure) -> bool:
         return False  # rates that should be zero are differences' errors
     sizes = np.abs(union.columns).max(axis=1, keepdims=True, initial=0.0)
     even = union.columns / np.where(sizes > 0.0, sizes, 1.0)
-    return rank(even) > rank(union.columns)
+    return rank(even) > union.rank
 
 
 def _advice(
@@ -266,14 +260,11 @@ def _advice(
     missing: Sequence[str],
 ) -> tuple[str, ...]:
     """Advice: a further stratum, a higher degree, or another field."""
-    reached = rank(union.columns)
-    advice = []
+    advice, home = list[str](), walk.strata[0]
     for stratum in system.strata:
         if stratum not in walk.strata:
-            strata = (*walk.strata, stratum)
-            tangent = _tangent_fields(system, strata, walk.strata[0])
-            wider = _closure_to(tangent, system, walk.strata[0], x, union.depth)
-            if rank(wider.columns) > reached:
+            tangent = _tangent_fields(system, (*walk.strata, stratum), home)
+            if _closure_to(tangent, system, home, x, union.depth).rank > union.rank:
                 advice.append(f"visit S{stratum}")
     if not union.complete and union.depth == max_depth:
         advice.append(f"form brackets beyond degree {max_depth}")

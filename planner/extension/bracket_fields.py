@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import combinations
+from typing import Any
 
 from planner.lie.free_lie import structure_constants
 from planner.lie.hall import Bracket, Element, free_dimension, hall_basis
-from planner.systems.elements import Tree, name_of
 from planner.systems.fields import Symbols, VectorField, lie_bracket
 from planner.systems.rounding import vanishing
 from planner.systems.strata import StratifiedSystem
@@ -28,11 +28,7 @@ class HallFields:
     fields: tuple[VectorField, ...]  # of the elements
     vanishing: frozenset[Element]  # as fields, with brackets that do not vanish
     clashing: frozenset[frozenset[str]]  # pairs of generators that do not commute
-
-    @property
-    def entangled(self) -> tuple[int, ...]:
-        """Numbers of the generators that do not commute with all others, from 1."""
-        return _entangled(self.generators, self.clashing)
+    entangled: tuple[int, ...]  # numbers, from 1, of the generators in such pairs
 
     @property
     def only_pair(self) -> tuple[int, int] | None:
@@ -80,7 +76,8 @@ def hall_fields(
         for pair, zero in zip(pairs, vanishing(brackets, system.state), strict=True)
         if not zero
     )
-    numbers = _entangled(generators, clashing)
+    clash = frozenset().union(*clashing)
+    numbers = tuple(i for i, g in enumerate(generators, start=1) if g in clash)
     count = len(numbers)
     degree = max_degree if count > 1 else 1  # a single field has no brackets
     if most is not None and (degree > most or free_dimension(count, degree) > most):
@@ -99,30 +96,20 @@ def hall_fields(
     return HallFields(
         generators=tuple(generators),
         elements=elements,
-        names=tuple(name_of(_tree(e, generators)) for e in elements),
+        names=tuple(str(renumbered(e, generators)) for e in elements),
         fields=tuple(fields[e] for e in elements),
         vanishing=zero - ideal,
         clashing=clashing,
+        entangled=numbers,
     )
 
 
-def _entangled(
-    generators: Sequence[str], clashing: frozenset[frozenset[str]]
-) -> tuple[int, ...]:
-    return tuple(
-        i
-        for i, g in enumerate(generators, start=1)
-        if any(g in pair for pair in clashing)
-    )
-
-
-def renumbered(element: Element, numbers: Sequence[int]) -> Element:
-    """The same element over other generators."""
+def renumbered(element: Element, generators: Sequence[Any]) -> Any:
+    """The same element over other generators: their numbers, or the names of fields."""
     if isinstance(element, Bracket):
-        return Bracket(
-            renumbered(element.left, numbers), renumbered(element.right, numbers)
-        )
-    return numbers[element - 1]
+        sides = element.left, element.right
+        return Bracket(*(renumbered(side, generators) for side in sides))
+    return generators[element - 1]
 
 
 def fields_of(
@@ -154,10 +141,3 @@ def _largest_ideal(
         ideal -= needed
         kept |= needed
     return ideal
-
-
-def _tree(element: Element, generators: Sequence[str]) -> Tree:
-    """A Hall element with fields for its generators' numbers."""
-    if isinstance(element, Bracket):
-        return (_tree(element.left, generators), _tree(element.right, generators))
-    return generators[element - 1]

@@ -6,10 +6,10 @@ degree comes first, then few contact switches, then distance from linear depende
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from itertools import pairwise, product
+from itertools import islice, pairwise, product
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,10 +18,10 @@ from planner.errors import PlannerError, RankError, SingularConfigurationError
 from planner.extension.bracket_fields import hall_fields
 from planner.extension.fields_on_bottom import on_bottom
 from planner.numerics.arrays import Array
-from planner.numerics.subspaces import column_space, in_words, rank
+from planner.numerics.subspaces import column_space, in_words
 from planner.support.stopping import tick
-from planner.systems.closure import LieClosure, involutive_closure
-from planner.systems.elements import Tree, leaves, parse_names
+from planner.systems.closure import involutive_closure
+from planner.systems.elements import leaves, parse_names, word_of
 from planner.systems.fields import VectorField
 from planner.systems.rounding import WeighedValues
 from planner.systems.strata import StratifiedSystem
@@ -99,15 +99,14 @@ def choose_elements(
     if max_degree < 1:
         raise ValueError(f"max_degree is {max_degree}; fields themselves have degree 1")
     usable = _usable_fields(system)
-    fields = _even(_candidates(system, list(usable), list(usable.values()), x))
+    fields = _even(_candidates(system, usable.items(), x))
     few = _enlarged([], fields, system, x)
     independent = involutive_closure(usable, system.state, x[0], max_depth=1).names
     spanning = [field for field in fields if field.name in independent]
     for first, degree in product((few, spanning), range(1, max_degree + 1)):
-        generators = [candidate.name for candidate in first]
-        hall = hall_fields(system, generators, degree)
-        count = len(generators)
-        brackets = _candidates(system, hall.names[count:], hall.fields[count:], x)
+        hall = hall_fields(system, [candidate.name for candidate in first], degree)
+        every = zip(hall.names, hall.fields, strict=True)
+        brackets = _candidates(system, islice(every, len(first), None), x)
         even = _even([*fields, *brackets])
         begun = [c for f in first for c in even if c.name == f.name]
         chosen = _enlarged(begun, even[len(fields) :], system, x)
@@ -122,16 +121,10 @@ def choose_elements(
         return _explained(system, chosen, x)
     reached = column_space(spans[worst] / system.weights[:, None])
     missing = system.missing(reached, x[worst])
-    more = involutive_closure(
-        usable, system.state, x[worst], 2 * max_degree, _spans_bottom(system)
-    )
-    enough = more.depth if _spans_bottom(system)(more) else None
-    raise RankError(x[worst], system.bottom_dimension, missing, enough)
-
-
-def _spans_bottom(system: StratifiedSystem) -> Callable[[LieClosure], bool]:
-    """Whether fields span the tangent space of the bottom stratum."""
-    return lambda algebra: rank(algebra.columns) == system.bottom_dimension
+    needed = system.bottom_dimension
+    more = involutive_closure(usable, system.state, x[worst], 2 * max_degree, needed)
+    enough = more.depth if more.rank == needed else None
+    raise RankError(x[worst], needed, missing, enough)
 
 
 def _usable_fields(system: StratifiedSystem) -> dict[str, VectorField]:
@@ -145,19 +138,16 @@ def _usable_fields(system: StratifiedSystem) -> dict[str, VectorField]:
 
 
 def _candidates(
-    system: StratifiedSystem,
-    names: Sequence[str],
-    fields: Sequence[VectorField],
-    x: Array,
+    system: StratifiedSystem, fields: Iterable[tuple[str, VectorField]], x: Array
 ) -> list[_Candidate]:
     evaluation = WeighedValues(system.state, x)
     candidates = []
-    for name, field in zip(names, fields, strict=True):
+    for name, field in fields:
         column = evaluation(field)
         if not (sound := np.isfinite(column).all(axis=1)).all():
             raise SingularConfigurationError(name, x[~sound][0])
         tree = parse_names(name)
-        word = [system.stratum_of[field_name] for field_name in _letters(tree)]
+        word = [system.stratum_of[field_name] for field_name in word_of(tree)]
         walk = pairwise([system.bottom, *word, system.bottom])
         switches = sum(system.switches(a, b) for a, b in walk)
         candidates.append(_Candidate(name, len(leaves(tree)), switches, column, column))
@@ -180,14 +170,6 @@ def _even(candidates: Sequence[_Candidate]) -> list[_Candidate]:
     logarithms, *_ = np.linalg.lstsq(unknown, np.log(sizes[row, column]), rcond=None)
     units = np.exp(logarithms[: len(sizes)])
     return [candidate.measured(units) for candidate in candidates]
-
-
-def _letters(tree: Tree) -> tuple[str, ...]:
-    """Fields in the word of an element, without signs."""
-    if isinstance(tree, str):
-        return (tree,)
-    left, right = _letters(tree[0]), _letters(tree[1])
-    return (*left, *right, *left[::-1], *right[::-1])
 
 
 def _spans(chosen: Sequence[_Candidate], x: Array) -> list[Array]:

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from planner.extension.extended import extend
 from planner.numerics.arrays import Array
-from planner.systems.elements import Tree, leaves, parse
+from planner.systems.elements import leaves, parse, word_of
 from planner.systems.strata import StratifiedSystem
 
 AFFORDABLE = 10_000.0
@@ -52,18 +52,15 @@ def stroke_costs(
     extended = extend(system, elements)
     matrix = extended.columns(np.asarray(at, dtype=float))  # (n, p)
     trees = [parse(name, system) for name in elements]
-    areas = [
-        float(np.prod([strokes.get(leaf, 1.0) for leaf in leaves(tree)]))
-        for tree in trees
-    ]
-    scaled = matrix / [_flows(t) / a for t, a in zip(trees, areas, strict=True)]
+    areas = [np.prod([strokes.get(leaf, 1.0) for leaf in leaves(t)]) for t in trees]
+    flows = [len(word_of(tree)) for tree in trees]
+    scaled = matrix / np.divide(flows, areas)
     degrees = np.array([len(leaves(tree)) for tree in trees])
     joints = {index for index, _ in extended.shape.recoveries.values()}
-    moved = np.flatnonzero(np.abs(matrix).max(axis=1) > 0)
+    moved = set(np.flatnonzero(matrix.any(axis=1)).tolist())
     return tuple(
-        _cost(str(system.state[i]), int(i), scaled, degrees, elements)
-        for i in moved
-        if int(i) not in joints
+        _cost(str(system.state[i]), i, scaled, degrees, elements)
+        for i in sorted(moved - joints)
     )
 
 
@@ -95,8 +92,3 @@ def _solutions(scaled: Array, unit: Array) -> Iterator[Array]:
             (scaled / weight[:, None])[rows], (unit / weight)[rows], rcond=None
         )
         yield amounts
-
-
-def _flows(tree: Tree) -> int:
-    """Number of flows in the word of an element."""
-    return 1 if isinstance(tree, str) else 2 * (_flows(tree[0]) + _flows(tree[1]))

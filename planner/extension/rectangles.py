@@ -1,16 +1,23 @@
-"""The corner and the shape of the rectangle that realises a bracket.
+"""The unit of each input in which words are spelled, and the shape of rectangles.
 
-The word X Y X^-1 Y^-1 may begin at any of its four corners, and rectangles of different
-shapes may have the same area. All of these words realise the bracket [X,Y]. They differ
-in [X,[X,Y]] and [Y,[X,Y]], which cause the error of an open-loop plan: where a corner
-makes the two cancel, it falls as 1/n with the number of segments n, otherwise as
-1/sqrt(n). Which corner this is depends on the signs and units of the fields, and is
-therefore determined from the fields and not taken from the order in the paper. Words of
-degree 3 and more are judged by where they end: `execution.nearest_words`.
+A word is spelled for generators that move by a length of one in the metric of the
+system, and point the same way in whatever sense their inputs are counted. Where all
+generators with brackets move joints, the way of these alone counts, since it is joints
+that have ranges. Its flows are then translated to the inputs as they are declared, so
+that a plan depends neither on units nor on signs of the inputs, at any degree, nor on
+the units of coordinates if the metric is declared in the same. Words of the paper, with
+inputs as they are declared, are those of `lie.input_words.word`.
+
+The word X Y X^-1 Y^-1 may begin at any corner of its rectangle, and rectangles of
+different shapes may have the same area. All of these words realise the bracket [X,Y].
+They differ in [X,[X,Y]] and [Y,[X,Y]], which cause the error of an open-loop plan:
+where a corner makes the two cancel, it falls as 1/n with the number of segments n,
+otherwise as 1/sqrt(n). Which corner this is is determined from the fields and not taken
+from the order in the paper. Words of degree 3 and more are judged by where they end, in
+`execution.execution`.
 
 A choice is described by a scale for each generator: its flows are measured in units of
-the scale, and a negative scale runs the generator backward. Scales begin with the units
-of `extension.input_units`; at other degrees there is nothing else to choose.
+the scale, and a negative scale runs the generator backward.
 """
 
 from __future__ import annotations
@@ -23,19 +30,134 @@ from itertools import product
 import numpy as np
 
 from planner.extension.bracket_fields import HallFields, fields_of, renumbered
-from planner.extension.input_units import EQUAL, InputUnits, weights
 from planner.lie.free_lie import lie_algebra
-from planner.lie.hall import Element, degree, hall_basis
+from planner.lie.hall import Bracket, Element, degree, hall_basis
 from planner.lie.input_words import logarithm_of_word
-from planner.numerics.arrays import Array
-from planner.systems.fields import CompiledFields, compile_fields
+from planner.numerics.arrays import ROUNDING, Array
+from planner.systems.fields import (
+    CompiledFields,
+    compile_fields,
+    sample_configurations,
+)
 from planner.systems.shape import ShapeCoordinates
 from planner.systems.strata import StratifiedSystem
 
+EQUAL = 1e-6  # relative difference below which units count as equal
 DEGREE = 2  # of the brackets whose words are rectangles
 WORTH_TURNING = 0.5  # of the printed word's error, above which that word is kept
 LONGEST_SHAPE = 10.0  # times as long as wide that a rectangle may be
 MOST_SIGNED = 6  # generators whose signs are tried, all combinations of them
+
+
+@dataclass(frozen=True, eq=False)
+class InputUnits:
+    """Units in which the generators of a system move by a length of one."""
+
+    elements: tuple[Element, ...]  # of the Hall basis over the generators
+    entangled: tuple[int, ...]  # numbers of generators with brackets, from 1
+    generators: CompiledFields
+    weights: Array  # of the metric, shape (n,)
+    joints: frozenset[int]  # coordinates that count alone where they can
+
+    def at(self, x: Array) -> Array:
+        """Inverse lengths of the generators at configurations (..., n), (..., m)."""
+        lengths = self._lengths(x)
+        if not (lengths > 0.0).all():
+            around = self._lengths(x[..., None, :] + self._nearby)
+            squares = np.where(np.isfinite(around), around, 0.0) ** 2
+            near = np.sqrt(squares.mean(axis=-2))
+            lengths = np.where(lengths > 0.0, lengths, np.where(near > 0.0, near, 1.0))
+        return 1.0 / lengths
+
+    def measured(self, hall_coordinates: Array, at: Array) -> tuple[Array, Array]:
+        """Coordinates without their rounding, and a unit for each input and segment.
+
+        Takes backward coordinates, shape (segments, s), and the configurations where
+        segments start, (segments, n). Coordinates that move by less than `ROUNDING` of
+        the largest motion, or of where it starts from, are zero. Units have a sign,
+        shape (segments, m); generators of one length have the same. They are multiples
+        of the size of a segment's flows, a power of two, so that in these units what is
+        small beside one is rounding.
+        """
+        units = self.at(at)
+        motions = np.abs(hall_coordinates / weights(self.elements, units))
+        where = np.abs(at * self.weights).max()
+        largest = np.maximum(motions.max(axis=1, keepdims=True), where)
+        rounded = motions <= ROUNDING * largest
+        degrees = np.array([degree(element) for element in self.elements])
+        sizes = np.where(rounded, 0.0, motions ** (1 / degrees)).max(axis=1)
+        common = units.copy()
+        if self.entangled:
+            places = [number - 1 for number in self.entangled]
+            mean = np.exp(np.log(units[:, places]).mean(axis=1, keepdims=True))
+            common[:, places] = mean
+        ratios = units / common
+        ratios = np.where(np.abs(ratios - 1.0) < EQUAL, 1.0, ratios)
+        common *= np.where(sizes > 0.0, sizes, 1.0)[:, None]
+        scales = self._senses * ratios * np.exp2(np.rint(np.log2(common)))
+        return np.where(rounded, 0.0, hall_coordinates), scales
+
+    def _lengths(self, x: Array) -> Array:
+        """Lengths of the generators; 0 where one vanishes or is not finite."""
+        moved = self.generators.values(x) * self._counted
+        lengths = np.linalg.norm(moved, axis=-2)
+        return np.where(np.isfinite(lengths), lengths, 0.0)
+
+    @cached_property
+    def _counted(self) -> Array:
+        """Weights of the coordinates that count for each generator, shape (n, m)."""
+        joints = np.isin(np.arange(len(self.weights)), list(self.joints))
+        moves = (self.generators.constant[joints] != 0.0).any(axis=0)  # (m,)
+        clashing = [number - 1 for number in self.entangled]
+        alone = joints[:, None] & moves & moves[clashing].all()
+        return self.weights[:, None] * (alone | ~alone.any(axis=0))
+
+    @cached_property
+    def _nearby(self) -> Array:
+        """Configurations around zero, up to about one away in each coordinate."""
+        return sample_configurations(len(self.weights)) / self.weights
+
+    @cached_property
+    def _senses(self) -> Array:
+        """Signs of the generators with which they count as running forward.
+
+        One that moves several joints runs the way of the body at zero, whichever way
+        the joints are counted; mean rates of any other add up to more than 0.
+        """
+        values = self.generators.values(self._nearby) * self.weights[:, None]
+        sound = np.isfinite(values).all(axis=(1, 2))
+        rates = values[sound].sum(axis=0)  # (n, m)
+        sizes = np.abs(rates)
+        first = (sizes >= (1.0 - EQUAL) * sizes.max(axis=0)).argmax(axis=0)
+        largest = np.take_along_axis(rates, first[None], axis=0)[0]
+        added = rates.sum(axis=0)
+        told = np.where(np.abs(added) > EQUAL * sizes.sum(axis=0), added, largest)
+        joints = np.isin(np.arange(len(self.weights)), list(self.joints))
+        several = (self.generators.constant[joints] != 0.0).sum(axis=0) > 1
+        zero = self.generators.values(np.zeros(len(self.weights)))
+        body = np.where(np.isfinite(zero), zero * self.weights[:, None], 0.0)[~joints]
+        way = body.sum(axis=0)
+        moved = several & (np.abs(way) > EQUAL * np.abs(body).sum(axis=0))
+        signs: Array = np.where(np.where(moved, way, told) < 0.0, -1.0, 1.0)
+        return signs
+
+
+def weights(elements: Sequence[Element], scales: Array) -> Array:
+    """Factors by which scales of the generators multiply elements, shape (..., s).
+
+    The scales have shape (..., m), and there are s elements.
+    """
+    columns = [
+        np.prod(scales[..., [i - 1 for i in _letters(e)]], axis=-1) for e in elements
+    ]
+    return np.stack(columns, axis=-1)
+
+
+def _letters(element: Element) -> tuple[int, ...]:
+    """Generators of an element, as often as they occur."""
+    if isinstance(element, Bracket):
+        return (*_letters(element.left), *_letters(element.right))
+    return (element,)
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,34 +174,31 @@ class Rectangles:
         Takes backward coordinates, shape (segments, s), the configurations where
         segments start, (segments, n), and the units of the inputs, (segments, m).
         """
-        scales = units
         if self.fields is None or not hall_coordinates[:, self._tops].any():
-            return scales
+            return units
         fields = self.fields.values(at)  # (segments, n, basis and brackets beyond)
         if not np.isfinite(fields).all():
-            return scales
+            return units
         fields *= self.units.weights[:, None]
         own, beyond = np.split(fields, [len(self.hall.elements)], axis=-1)
-        scales = scales * self._sides(beyond * self._weights(self._beyond, scales))
+        sides = self._sides(beyond * weights(self._beyond, units)[:, None])
+        scales = units * sides
+        factors = weights(self.hall.elements, scales)
+        further = beyond * weights(self._beyond, scales)[:, None]
+        # (ways, segments)
         errors = self._errors(
-            hall_coordinates / weights(self.hall.elements, scales),
-            own * self._weights(self.hall.elements, scales),
-            beyond * self._weights(self._beyond, scales),
-        )  # (ways, segments)
+            hall_coordinates / factors, own * factors[:, None], further
+        )
         least = errors.min(axis=0) + EQUAL * errors.max(axis=0)
         printed = errors[0] * WORTH_TURNING <= least
         turned = self._signs[np.where(printed, 0, errors.argmin(axis=0))]
         return np.asarray(scales * turned)
 
-    def _weights(self, elements: Sequence[Element], scales: Array) -> Array:
-        """Factors of the columns of fields in each segment, (segments, 1, elements)."""
-        return weights(elements, scales)[:, None]
-
     def _errors(self, h: Array, own: Array, beyond: Array) -> Array:
         """Leading errors of all ways relative to the intended motion, (ways, segments).
 
-        Takes Hall coordinates, shape (segments, s), the fields of the basis, shape
-        (segments, n, s), and the brackets of the next degree, shape (segments, n, m).
+        Takes Hall coordinates (segments, s), the fields of the basis (segments, n, s),
+        and the brackets of the next degree (segments, n, m).
         """
         amounts = h[:, self._tops]
         size = np.abs(amounts) ** (1 / DEGREE)  # (segments, tops)
@@ -114,10 +233,9 @@ class Rectangles:
     @cached_property
     def _tops(self) -> list[int]:
         """Places of the brackets of the highest degree that move anything."""
+        every, still = self.hall.elements, self.hall.vanishing
         return [
-            j
-            for j, element in enumerate(self.hall.elements)
-            if degree(element) == DEGREE and element not in self.hall.vanishing
+            j for j, e in enumerate(every) if degree(e) == DEGREE and e not in still
         ]
 
     @cached_property
@@ -127,7 +245,7 @@ class Rectangles:
 
     @cached_property
     def _beyond(self) -> tuple[Element, ...]:
-        return tuple(e for e in entangled(self.hall) if degree(e) > DEGREE)
+        return tuple(e for e in _entangled(self.hall) if degree(e) > DEGREE)
 
     @cached_property
     def _signs(self) -> Array:
@@ -138,9 +256,9 @@ class Rectangles:
     @cached_property
     def _leading(self) -> Array:
         """Next brackets in the words of unit amounts, shape (ways, tops, brackets)."""
-        small = _small_basis(self.hall)
+        small = hall_basis(len(self.hall.entangled), DEGREE + 1)
         algebra = lie_algebra(small)
-        own = dict(zip(entangled(self.hall), small, strict=True))
+        own = dict(zip(_entangled(self.hall), small, strict=True))
         tops = [self.hall.elements[j] for j in self._tops]
         places = [algebra.index[own[e]] for e in self._beyond]
         printed = np.array([logarithm_of_word(algebra, own[e])[places] for e in tops])
@@ -158,19 +276,16 @@ def rectangles(system: StratifiedSystem, hall: HallFields) -> Rectangles:
     units = InputUnits(hall.elements, hall.entangled, compiled, system.weights, joints)
     if degree(hall.elements[-1]) != DEGREE:
         return Rectangles(hall, units, None)
-    every = fields_of(entangled(hall), generators, system.state)
+    every = fields_of(_entangled(hall), generators, system.state)
     brackets = [field for e, field in every.items() if degree(e) > DEGREE]
     fields = compile_fields([*hall.fields, *brackets], system.state)
     return Rectangles(hall, units, fields)
 
 
-def entangled(hall: HallFields) -> tuple[Element, ...]:
+def _entangled(hall: HallFields) -> list[Element]:
     """Hall elements to degree 3 over the generators that do not commute with all."""
-    return tuple(renumbered(e, hall.entangled) for e in _small_basis(hall))
-
-
-def _small_basis(hall: HallFields) -> tuple[Element, ...]:
-    return hall_basis(len(hall.entangled), DEGREE + 1)
+    small = hall_basis(len(hall.entangled), DEGREE + 1)
+    return [renumbered(e, hall.entangled) for e in small]
 
 
 def sign_choices(count: int, numbers: Sequence[int]) -> Array:

@@ -15,11 +15,15 @@ from typing import Literal
 import numpy as np
 
 from planner.extension.bracket_fields import HallFields, hall_fields
-from planner.extension.input_units import weights
-from planner.extension.rectangles import Rectangles, rectangles, sign_choices
+from planner.extension.rectangles import (
+    Rectangles,
+    rectangles,
+    sign_choices,
+    weights,
+)
 from planner.lie.coordinates import integrate
 from planner.lie.free_lie import lie_algebra
-from planner.lie.input_words import Order, Spelling, joined, spellings
+from planner.lie.input_words import Order, Spelling, joined, scaled, spellings
 from planner.lie.mirrored_words import mirrored_spellings
 from planner.lie.short_words import short_durations
 from planner.numerics.arrays import Array
@@ -122,13 +126,13 @@ class Steering:
         """
         shape = len(hall_coordinates), len(self.hall.generators)
         scales = np.broadcast_to(1.0 if scales is None else scales, shape)
-        scaled = hall_coordinates / weights(self.hall.elements, scales)
+        measured = hall_coordinates / weights(self.hall.elements, scales)
         if order == "shortest":
-            spelled = self._short(scaled, scales)
+            spelled = self._short(measured, scales)
         elif order == "alternating":
-            spelled = self._alternating(scaled, scales)
+            spelled = self._alternating(measured, scales)
         else:
-            spelled = self._spelled(scaled, order, scales)
+            spelled = self._spelled(measured, order, scales)
         names = self.hall.generators
         patterns = {letters for letters, _ in spelled}
         fields = {letters: tuple(names[i - 1] for i in letters) for letters in patterns}
@@ -182,7 +186,7 @@ class Steering:
             max(self.selected_degrees),
             self.hall.vanishing,
         )
-        spelled[1::2] = map(_scaled, mirrored, scales[1::2])
+        spelled[1::2] = map(scaled, mirrored, scales[1::2])
         return spelled
 
     def _short(self, hall_coordinates: Array, scales: Array) -> list[Spelling]:
@@ -194,7 +198,7 @@ class Steering:
             short = [
                 min(p, key=lambda spelled: sum(map(abs, spelled[1]))) for p in pairs
             ]
-            return list(map(_scaled, short, scales))
+            return list(map(scaled, short, scales))
         first, second = self.hall.only_pair
         count, h = len(self.hall.generators), hall_coordinates.T
         pair = short_durations(h[first - 1], h[second - 1], h[count])
@@ -202,14 +206,7 @@ class Steering:
         generators = (first, second, first, second, first, *apart)
         durations = np.hstack([pair, h[[i - 1 for i in apart]].T])
         short = [joined(generators, row) for row in durations.tolist()]
-        return list(map(_scaled, short, scales))
-
-
-def _scaled(spelling: Spelling, scales: Array) -> Spelling:
-    """A word with its durations in the units of the inputs, shape (m,)."""
-    letters, durations = spelling
-    units = scales.tolist()
-    return letters, [units[i - 1] * t for i, t in zip(letters, durations, strict=True)]
+        return list(map(scaled, short, scales))
 
 
 def steering(

@@ -157,11 +157,15 @@ def _adapted(
     start: Array,
 ) -> Array:
     """Coordinates at the end of an interval, halved until the result converges."""
+
+    def step(begin: float, length: float, h: Array) -> Array:
+        nodes = begin + length * collocation(INTERVAL_NODES).nodes
+        values = np.array([inputs(t) for t in nodes.tolist()])
+        return integrate(algebra.basis, length * values, h)
+
     middle, half = time + length / 2, length / 2
-    whole = _step(algebra, inputs, time, length, start)
-    first = _step(algebra, inputs, time, half, start)
-    second = _step(algebra, inputs, middle, half, first)
-    change = np.abs(second - whole).max()
+    second = step(middle, half, step(time, half, start))
+    change = np.abs(second - step(time, length, start)).max()
     if change <= HALVING_TOLERANCE * (1.0 + np.abs(second).max()):
         return second
     if length < SHORTEST_INTERVAL:
@@ -171,20 +175,6 @@ def _adapted(
         )
     first = _adapted(algebra, inputs, time, half, start)
     return _adapted(algebra, inputs, middle, half, first)
-
-
-def _step(
-    algebra: LieAlgebra,
-    inputs: Callable[[float], Array],
-    time: float,
-    length: float,
-    start: Array,
-) -> Array:
-    values = [
-        inputs(time + length * node)
-        for node in collocation(INTERVAL_NODES).nodes.tolist()
-    ]
-    return integrate(algebra.basis, length * np.array(values), start)
 
 
 def forward(basis: Sequence[Element], h: ArrayLike) -> Array:

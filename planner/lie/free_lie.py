@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache, cached_property
-from itertools import combinations
+from itertools import combinations, product
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -80,20 +80,14 @@ class LieAlgebra:
                 f"basis {', '.join(map(str, self.basis))} is not a part of the Hall "
                 "basis in its order; take it from hall_basis(generators, max_degree)"
             )
-        self._require_ideal()
-
-    def _require_ideal(self) -> None:
-        """Refuse a basis that lacks an element but has a bracket of it."""
-        for lost in self._free_basis:
-            if lost in self.index or degree(lost) == self.max_degree:
-                continue
-            for generator in range(1, self.generators + 1):
-                for kept in structure_constants(generator, lost):
-                    if kept in self.index:
-                        raise ValueError(
-                            f"the basis has {kept} but not {lost}, which it is a "
-                            f"bracket of; add {lost}, or leave out {kept}"
-                        )
+        inner = (e for e in self._free_basis if degree(e) < self.max_degree)
+        lacking = [e for e in inner if e not in here]
+        for lost, generator in product(lacking, range(1, self.generators + 1)):
+            for kept in here & structure_constants(generator, lost).keys():
+                raise ValueError(
+                    f"the basis has {kept} but not {lost}, which it is a bracket of; "
+                    f"add {lost}, or leave out {kept}"
+                )
 
     @cached_property
     def degrees(self) -> tuple[int, ...]:
@@ -202,17 +196,13 @@ class LieAlgebra:
     @cached_property
     def _word_brackets(self) -> tuple[Array, ...]:
         """The brackets of words of each length n, shape (m**n, elements)."""
-        first = np.array(
-            [[e == g for e in self.basis] for g in range(1, self.generators + 1)], int
-        )
-        everything = [first]
+        names = range(1, self.generators + 1)
+        first = np.array([[e == name for e in self.basis] for name in names], dtype=int)
+        every = [first]
         for _ in range(1, self.max_degree):
-            longer = [self.bracket(generator, everything[-1]) for generator in first]
-            everything.append(np.concatenate(longer))
-        return tuple(
-            brackets[:, layer]
-            for brackets, layer in zip(everything, self._layers, strict=True)
-        )
+            every.append(np.concatenate([self.bracket(g, every[-1]) for g in first]))
+        pairs = zip(every, self._layers, strict=True)
+        return tuple(brackets[:, layer] for brackets, layer in pairs)
 
 
 @cache

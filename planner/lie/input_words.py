@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
 from functools import cache
-from typing import Literal, TypeVar
+from typing import Literal, TypeVar, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -81,14 +81,13 @@ def spellings(
     h = _shaped(2, algebra.vector(hall_coordinates))
     if units is None:
         units = np.ones((len(h), algebra.degrees.count(1)))
-    if order == "backward":
-        amounts = _amounts(algebra, h, vanishing, turned)
-        return _spelled(algebra, amounts, units, turned=turned)
-    if order != "forward":
+    if order not in get_args(Order):
         raise ValueError(f"order is {order!r}; choose backward or forward")
     # -f are the backward coordinates of the inverse flow; its word is inverted, too.
-    way_back = _amounts(algebra, -forward(basis, h), vanishing, turned)
-    return _spelled(algebra, way_back, units, back=True, turned=turned)
+    back = order == "forward"
+    way = -forward(basis, h) if back else h
+    amounts = _amounts(algebra, way, vanishing, turned)
+    return _spelled(algebra, amounts, units, back, turned)
 
 
 def _shaped(axes: int, h: Array) -> Array:
@@ -117,26 +116,18 @@ def _amounts(
     remaining flow has the backward coordinates `rest`.
     """
     amounts, rest = np.zeros_like(h), h.copy()
-    inside = 0 if turned else 1  # the first generator is at the right end as it is
-    for j in _places(algebra, turned):
+    degrees, inside = algebra.degrees, 0 if turned else 1
+    for j in _places(algebra, turned):  # the first is at the right end unless turned
         if algebra.basis[j] not in vanishing:
-            amounts[:, j] = np.where(
-                np.abs(rest[:, j]) < ZERO_DURATION, 0.0, rest[:, j]
-            )
-            below_top = inside < algebra.degrees[j] < algebra.max_degree
-            if below_top and amounts[:, j].any():
-                undone = -_given(algebra, j, amounts[:, j])
+            own = np.where(np.abs(rest[:, j]) < ZERO_DURATION, 0.0, rest[:, j])
+            amounts[:, j] = own
+            if inside < degrees[j] < algebra.max_degree and own.any():
+                scale = np.abs(own) ** (1 / degrees[j])
+                powers = np.sign(own)[:, None] * scale[:, None] ** np.array(degrees)
+                undone = -(powers * logarithm_of_word(algebra, algebra.basis[j]))
                 rest = exponential(algebra.basis, undone, rest)
         rest[:, j] = 0.0
     return amounts
-
-
-def _given(algebra: LieAlgebra, j: int, amounts: Array) -> Array:
-    """Logarithms of the words of an element for given amounts, (segments, s)."""
-    scale = np.abs(amounts) ** (1 / algebra.degrees[j])
-    powers = scale[:, None] ** np.array(algebra.degrees)
-    unit = logarithm_of_word(algebra, algebra.basis[j])
-    return np.sign(amounts)[:, None] * powers * unit
 
 
 @cache
@@ -160,12 +151,7 @@ def _letters(element: Element) -> Letters:
 
 
 def _spelled(
-    algebra: LieAlgebra,
-    amounts: Array,
-    units: Array,
-    *,
-    back: bool = False,
-    turned: bool = False,
+    algebra: LieAlgebra, amounts: Array, units: Array, back: bool, turned: bool
 ) -> list[Spelling]:
     """Words for amounts of all elements, the last element first; or their inverses.
 
@@ -183,11 +169,16 @@ def _spelled(
         durations *= units[segments][:, np.array(generators, dtype=int) - 1]
         for segment, row in zip(segments.tolist(), durations.tolist(), strict=True):
             spelled[segment] = generators, row
-        for segment, (kept, row) in zip(segments[brief], pruned, strict=True):
-            scales = units[segment].tolist()
-            scaled = [scales[i - 1] * t for i, t in zip(kept, row, strict=True)]
-            spelled[segment] = kept, scaled
+        for segment, word in zip(segments[brief], pruned, strict=True):
+            spelled[segment] = scaled(word, units[segment])
     return spelled
+
+
+def scaled(spelling: Spelling, units: Array) -> Spelling:
+    """A word with its durations in the units of the generators, shape (m,)."""
+    letters, durations = spelling
+    own = units.tolist()
+    return letters, [own[i - 1] * t for i, t in zip(letters, durations, strict=True)]
 
 
 @cache

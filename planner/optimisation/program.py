@@ -17,10 +17,12 @@ from functools import cached_property
 import numpy as np
 
 from planner.numerics.arrays import Array
-from planner.optimisation.constraints import CHECKED_SHARE, Constraints, Margins
-from planner.optimisation.dynamics import (
+from planner.optimisation.constraints import (
+    CHECKED_SHARE,
     STAGE_STEPS,
-    is_straight,
+    Constraints,
+    Margins,
+    curve_function,
     path_distance,
     stage_function,
 )
@@ -176,8 +178,9 @@ class Program:
         self._width_cost = WIDTH_COST * dearest
         self._constraints = Constraints()
         self._program = self._built()
+        _, straight = curve_function(path, task.moved)
         # scalar operations take less than half of the time, but know no splines
-        self._options: Options = {"expand": is_straight(path, task.moved)}
+        self._options: Options = {"expand": straight}
         self._solver = Ipopt(self._program, self._options)
 
     def guess(

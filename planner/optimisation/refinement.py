@@ -13,9 +13,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from planner.numerics.arrays import Array
-from planner.optimisation.constraints import Margins
+from planner.optimisation.constraints import Margins, stage_function, whole_state
 from planner.optimisation.corridor import gaps
-from planner.optimisation.dynamics import stage_function, whole_state
 from planner.optimisation.solver import Expression, solver
 from planner.optimisation.stages import Stage
 from planner.optimisation.task import Solution, Task

@@ -7,7 +7,7 @@ kept in a TOML file.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -34,20 +34,16 @@ def system_table(system: StratifiedSystem) -> Table:
             raise ValueError(
                 f"field {name} is a function, which cannot be written down"
             )
+    written = {n: list(map(write_formula, f)) for n, f in system.fields.items()}
+    sets = {s: list(map(write_formula, f)) for s, f in system.level_sets.items()}
     return {
-        "state": [str(s) for s in system.state],
+        "state": list(map(str, system.state)),
         "bottom": system.bottom,
         "strata": {
-            stratum: {
-                name: [write_formula(e) for e in field]
-                for name, field in fields.items()
-            }
+            stratum: {name: written[name] for name in fields}
             for stratum, fields in system.strata.items()
         },
-        "level_sets": {
-            stratum: [write_formula(f) for f in functions]
-            for stratum, functions in system.level_sets.items()
-        },
+        "level_sets": sets,
         "metric": system.metric,
         "lifts": system.lifts,
     }
@@ -62,21 +58,19 @@ def system_from(table: Table) -> StratifiedSystem:
         )
     for key in sorted(table.keys() - needed - {"level_sets", "metric", "lifts"}):
         raise ValueError(f"system has the unknown key {key!r}")
-    state = [sp.Symbol(str(name), real=True) for name in table["state"]]
+    state = tuple(sp.Symbol(str(name), real=True) for name in table["state"])
+
+    def read(formulas: Sequence[str]) -> tuple[sp.Expr, ...]:
+        return tuple(read_formula(formula, state) for formula in formulas)
+
     return StratifiedSystem(
-        state=tuple(state),
+        state=state,
         bottom=table["bottom"],
         strata={
-            stratum: {
-                name: sp.ImmutableMatrix([read_formula(e, state) for e in column])
-                for name, column in fields.items()
-            }
+            stratum: {name: read(column) for name, column in fields.items()}
             for stratum, fields in table["strata"].items()
         },
-        level_sets={
-            stratum: tuple(read_formula(f, state) for f in functions)
-            for stratum, functions in table.get("level_sets", {}).items()
-        },
+        level_sets={s: read(f) for s, f in table.get("level_sets", {}).items()},
         metric=table.get("metric", {}),
         lifts=table.get("lifts", {}),
     )

@@ -15,12 +15,11 @@ that z1 may be measured in, and passes from one to the next where it turns far.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import chain, permutations
-from typing import cast
+from itertools import accumulate, chain, permutations
 
 import numpy as np
 import sympy as sp
@@ -35,7 +34,7 @@ from planner.planning.paths import line
 from planner.planning.plane import Plane
 from planner.planning.rates import declared_or_derived, rate_along, vanishes
 from planner.planning.rollouts import play
-from planner.systems.fields import NumericField
+from planner.systems.fields import CompiledFields, NumericField, compile_fields
 from planner.systems.flows import Flow
 from planner.systems.strata import StratifiedSystem
 
@@ -74,23 +73,21 @@ class ChainedForm:
         """The chained form itself, with the state z and the elements to steer it by."""
         z = sp.symbols(f"z1:{len(self.coordinates) + 1}")
         fields = {AHEAD: [1, 0, *z[1:-1]], TURN: [0, 1, *[0] * (len(z) - 2)]}
-        elements = [TURN]
-        while len(elements) < len(z) - 1:
-            elements.append(f"[{AHEAD},{elements[-1]}]")
+        brackets = accumulate(
+            z[2:], lambda inner, _: f"[{AHEAD},{inner}]", initial=TURN
+        )
         bottom = self.system.bottom
         model = StratifiedSystem(z, {bottom: fields}, bottom)
-        return extend(model, [AHEAD, *elements])
+        return extend(model, [AHEAD, *brackets])
 
     @cached_property
-    def _value(self) -> Callable[..., list[float]]:
-        state, z = self.system.state, self.coordinates
-        return cast(Callable[..., list[float]], sp.lambdify(state, z, np, cse=True))
+    def _functions(self) -> CompiledFields:
+        return compile_fields([sp.Matrix(self.coordinates)], self.system.state)
 
     def at(self, x: ArrayLike) -> Array:
         """Coordinates z of a configuration, both of shape (n,)."""
         state = np.asarray(x, dtype=float)
-        with np.errstate(all="ignore"):
-            z = np.array(self._value(*state), dtype=float)
+        z = self._functions.velocity(state)
         if not np.isfinite(z).all():
             raise PlannerError(
                 f"the chained form is singular at {self._named(state)}; plan with "
@@ -125,18 +122,15 @@ class ChainedForm:
         parts = [self._straight(start, goal, segments)]
         missed = [_apart(parts[-1], goal)]
         while CORRECTED < missed[-1] < CORRECTABLE and len(missed) <= CORRECTIONS:
-            parts.append(self._straight(parts[-1].nominal[-1], goal))
-            missed.append(_apart(parts[-1], goal))
+            further = self._straight(parts[-1].nominal[-1], goal)
+            missed.append(_apart(further, goal))
             if missed[-1] >= missed[-2]:
-                parts.pop()
                 break
+            parts.append(further)
         if not _apart(parts[-1], goal) <= MET:
             raise self._separated(start, goal)
-        if not parts[1:]:
-            return parts[0]
-        return _plan_of(
-            self.system, [p for part in parts for p in part.segments()], start
-        )
+        flows = chain.from_iterable(part.segments() for part in parts)
+        return _plan_of(self.system, [*flows], start) if parts[1:] else parts[0]
 
     def _turning(self, plane: Plane, start: Array, goal: Array, segments: int) -> Plan:
         """The plan of a vehicle through charts that turn along with it."""

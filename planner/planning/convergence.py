@@ -23,16 +23,12 @@ import numpy as np
 from planner.execution.execution import CHOICES, Coordinates
 from planner.extension.bracket_fields import HallFields, hall_fields
 from planner.extension.extended import ExtendedSystem
-from planner.extension.input_units import weights
+from planner.extension.rectangles import weights
 from planner.extension.steering import Wording
 from planner.lie.coordinates import exponential, logarithm
 from planner.lie.free_lie import lie_algebra
 from planner.numerics.arrays import Array
-from planner.planning.nominal import (
-    default_nodes,
-    fictitious_inputs_along,
-    sample,
-)
+from planner.planning.nominal import default_nodes, fictitious_inputs_along, sample
 from planner.planning.paths import Path
 from planner.systems.fields import compile_fields
 

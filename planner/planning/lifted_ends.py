@@ -20,8 +20,8 @@ from planner.extension.extended import ExtendedSystem
 from planner.numerics.arrays import Array
 from planner.planning.algorithm import Plan, plan
 from planner.planning.paths import line
-from planner.systems.fields import NumericField
 from planner.systems.flows import Flow
+from planner.systems.shape import ShapeCoordinates
 from planner.systems.strata import StratifiedSystem
 
 ON_GROUND = 1e-9  # of a level set, in its unit
@@ -31,12 +31,12 @@ def stratum_at(system: StratifiedSystem, x: ArrayLike) -> str:
     """The stratum of a configuration (n,), with as many contacts as it has."""
     state = np.asarray(x, dtype=float)
 
-    def is_on(stratum: str) -> bool:
+    def off(stratum: str) -> float:
         level_set = system.level_set(stratum)
         free = not level_set.functions
-        return free or bool(np.abs(level_set.value(state)).max() <= ON_GROUND)
+        return 0.0 if free else float(np.abs(level_set.value(state)).max())
 
-    on = list(filter(is_on, system.strata))
+    on = [stratum for stratum in system.strata if off(stratum) <= ON_GROUND]
     if not on:
         raise StratumError(f"{point(state)} lies on no stratum; put its feet down")
     return max(on, key=lambda stratum: len(system.contacts[stratum]))
@@ -67,14 +67,9 @@ def plan_between(
     down = [set_down(system, x) for x in ends]
     execution = replace(execution or Execution(), depart=depart, arrive=arrive)
     planned = plan(extended, line(*down), segments, execution=execution)
-    landing = [
-        _lift(system, depart, place, -height)
-        for place, height in _lifted(system, ends[0]).items()
-    ]
-    lifting = [
-        _lift(system, arrive, place, height)
-        for place, height in _lifted(system, ends[1]).items()
-    ]
+    shape, (below, above) = extended.shape, (_lifted(system, x).items() for x in ends)
+    landing = [_lift(shape, depart, place, -height) for place, height in below]
+    lifting = [_lift(shape, arrive, place, height) for place, height in above]
     return _joined(planned, landing, lifting, ends)
 
 
@@ -98,16 +93,14 @@ def _lifted(system: StratifiedSystem, x: Array) -> dict[int, float]:
     return heights
 
 
-def _lift(system: StratifiedSystem, stratum: str, place: int, height: float) -> Flow:
+def _lift(shape: ShapeCoordinates, stratum: str, place: int, height: float) -> Flow:
     """The flow of a stratum that changes one coordinate by a height."""
-    for name, field in system.strata[stratum].items():
-        if isinstance(field, NumericField):
-            continue
-        others = [entry for i, entry in enumerate(field) if i != place]
-        if not any(others) and field[place].is_number and field[place] != 0:
-            return Flow(stratum, name, height / float(field[place]))
+    for name in shape.system.strata[stratum]:
+        rates = shape.rates[name]
+        if np.isfinite(rates).all() and np.flatnonzero(rates).tolist() == [place]:
+            return Flow(stratum, name, height / float(rates[place]))
     raise StratumError(
-        f"no field of S{stratum} moves {system.state[place]} alone; give it one that "
+        f"no field of S{stratum} moves {shape.names[place]} alone; give it one that "
         "lifts this foot"
     )
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import permutations
 
 import numpy as np
 import sympy as sp
@@ -62,15 +63,14 @@ class Plane:
         along, across = outputs
         found = [
             (i, j)
-            for i, x in enumerate(state)
-            for j, y in enumerate(state)
-            if i != j and not (along - x).has(x) and not (across - y).has(y)
+            for (i, x), (j, y) in permutations(enumerate(state), 2)
+            if not (along - x).has(x) and not (across - y).has(y)
             if not any(f.has(x) or f.has(y) for f in fields.values())
         ]
         moved = [i for i, entry in enumerate(fields[steer]) if entry != 0]
         if not found or len(moved) != 1 or fields[steer][moved[0]].free_symbols:
             return None
-        (place,) = found[:1]
+        place = found[0]
         headings = _headings(system, place, drive)
         own = cls(system, outputs, place, headings, drive, steer, moved[0])
         return own if headings and own._turns_outputs else None
@@ -81,12 +81,12 @@ class Plane:
         points = sample_configurations(len(self.system.state))
         turned = np.array([self.turned(x, 0.7) for x in points])
         cos, sin = np.cos(0.7), np.sin(0.7)
-        there = np.array([self.at(x) for x in points]) @ [[cos, sin], [-sin, cos]]
-        return np.allclose([self.at(x) for x in turned], there, rtol=SAME, atol=SAME)
+        there = self.at(points) @ [[cos, sin], [-sin, cos]]
+        return np.allclose(self.at(turned), there, rtol=SAME, atol=SAME)
 
     def at(self, x: Array) -> Array:
-        """The place of the outputs, shape (2,)."""
-        return np.array(self._place(*x), dtype=float)
+        """The place of the outputs at configurations (..., n), shape (..., 2)."""
+        return self._place.velocity(x)
 
     def turned(self, x: Array, angle: float) -> Array:
         """A configuration (n,) with the plane turned about its origin [rad]."""
@@ -116,7 +116,7 @@ class Plane:
 
     def direction(self, x: Array) -> float:
         """The direction in which the outputs move, near the mean of the headings."""
-        a, b = self._velocity(*x)
+        a, b = self._velocity.velocity(x)
         mean = float(np.mean(x[list(self.headings)]))
         off = float(np.arctan2(b, a)) - mean
         return mean + (off + np.pi) % (2 * np.pi) - np.pi
@@ -174,19 +174,21 @@ class Plane:
                 flows.append(Flow(bottom, self.drive, step * self._step))
         return flows, play(self.system, flows, x)[-1]
 
+    @property
+    def _driving(self) -> Callable[[Array], Array]:
+        """Velocities (..., n) of driving at configurations likewise."""
+        return self.system.compiled(self.drive).velocity
+
     def _driven(self, layer: Array, value: float, direction: float) -> Array:
         """Configurations (k, n) after a step, by the classical Runge-Kutta method."""
-        h, x = direction * self._step / SUBSTEPS, layer.copy()
+        h, x, rates = direction * self._step / SUBSTEPS, layer.copy(), self._driving
         x[:, self.steered] = value
         for _ in range(SUBSTEPS):
-            k1 = self._rates(x)
-            k2 = self._rates(x + h / 2 * k1)
-            k3 = self._rates(x + h / 2 * k2)
-            x = x + h / 6 * (k1 + 2 * k2 + 2 * k3 + self._rates(x + h * k3))
+            k1 = rates(x)
+            k2 = rates(x + h / 2 * k1)
+            k3 = rates(x + h / 2 * k2)
+            x = x + h / 6 * (k1 + 2 * k2 + 2 * k3 + rates(x + h * k3))
         return x
-
-    def _rates(self, x: Array) -> Array:
-        return self._fields.values(x)[..., 0]
 
     def _differences(self, x: Array) -> Array:
         own = x[:, list(self.headings)]
@@ -197,32 +199,23 @@ class Plane:
         return np.abs(self._differences(x)).max(axis=1, initial=0.0)
 
     @cached_property
-    def _fields(self) -> CompiledFields:
-        return compile_fields([self.system.fields[self.drive]], self.system.state)
-
-    @cached_property
     def _step(self) -> float:
         """Duration of a step of driving."""
-        x = np.zeros((1, self.system.dimension))
-        x[:, self.steered] = max(STEERED)
+        x = np.zeros(self.system.dimension)
+        x[self.steered] = max(STEERED)
         return STEP / max(
-            float(np.abs(self._rates(x)[0, list(self.headings)]).max()), SAME
+            float(np.abs(self._driving(x)[list(self.headings)]).max()), SAME
         )
 
     @cached_property
-    def _place(self) -> Callable[..., list[float]]:
-        found: Callable[..., list[float]] = sp.lambdify(
-            self.system.state, self.outputs, np, cse=True
-        )
-        return found
+    def _place(self) -> CompiledFields:
+        return compile_fields([sp.Matrix(self.outputs)], self.system.state)
 
     @cached_property
-    def _velocity(self) -> Callable[..., list[float]]:
-        own = self.system.fields[self.drive]
-        rows = sp.Matrix(self.outputs).jacobian(self.system.state) * sp.Matrix(own)
-        state = self.system.state
-        found: Callable[..., list[float]] = sp.lambdify(state, list(rows), np)
-        return found
+    def _velocity(self) -> CompiledFields:
+        drive, state = self.system.fields[self.drive], self.system.state
+        rates = sp.Matrix(self.outputs).jacobian(state) * sp.Matrix(drive)
+        return compile_fields([rates], state)
 
 
 def _headings(

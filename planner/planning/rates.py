@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Sequence
 
 import numpy as np
 import sympy as sp
@@ -25,32 +25,23 @@ def rate_along(function: sp.Expr, field: sp.Matrix, state: Symbols) -> sp.Expr:
 
     def rate(part: sp.Expr) -> sp.Expr:
         if part not in known:
-            known[part] = _inner_rate(part, rate)
+            rates = [rate(inner) for inner in part.args]
+            known[part] = _chained(part, rates) if any(rates) else sp.S.Zero
         return known[part]
 
     return rate(function)
 
 
-def _inner_rate(part: sp.Expr, rate: Callable[[sp.Expr], sp.Expr]) -> sp.Expr:
+def _chained(part: sp.Expr, rates: Sequence[sp.Expr]) -> sp.Expr:
     """Rate of an expression from the rates of its arguments, by the chain rule."""
-    rates = [rate(inner) for inner in part.args]
-    moving = [i for i, speed in enumerate(rates) if speed != 0]
-    if not moving:
-        return sp.S.Zero
-    if part.is_Add:
-        return sp.Add(*rates)
-    if part.is_Mul:
-        rests = (part.args[:i] + part.args[i + 1 :] for i in moving)
-        return sp.Add(
-            *(sp.Mul(rates[i], *rest) for i, rest in zip(moving, rests, strict=True))
-        )
-    if part.is_Pow and moving == [0]:
+    if part.is_Pow and not rates[1]:
         base, power = part.args
         return power * base ** (power - 1) * rates[0]
     stand_ins = [sp.Dummy(real=inner.is_real) for inner in part.args]
     outer = part.func(*stand_ins)
     back = dict(zip(stand_ins, part.args, strict=True))
-    return sp.Add(*(outer.diff(stand_ins[i]).xreplace(back) * rates[i] for i in moving))
+    moving = [(s, speed) for s, speed in zip(stand_ins, rates, strict=True) if speed]
+    return sp.Add(*(outer.diff(s).xreplace(back) * speed for s, speed in moving))
 
 
 def _values(expression: sp.Expr, state: Symbols) -> Array:

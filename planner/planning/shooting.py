@@ -277,21 +277,18 @@ def plan_step(
     limits.
     """
 
-    def straight(goal: ArrayLike) -> Plan:
+    def straight(goal: Array) -> Plan:
         return follow_path(extended, line(state, goal), 1, execution, SEGMENT_NODES)
 
-    try:
-        return Step(straight(target), 1.0)
-    except RangeError as error:
-        refusal = error
     state, target = np.asarray(state, float), np.asarray(target, float)
-    best, low, high = None, 0.0, 1.0
+    best, low, high, share = None, 0.0, 1.0, 1.0
     while high - low > max(FINEST, 1e-3 * low):
-        middle = (low + high) / 2
+        goal = target if share == 1.0 else state + share * (target - state)
         try:
-            best, low = straight(state + middle * (target - state)), middle
+            best, low = straight(goal), share
         except RangeError as error:
-            high, refusal = middle, error
+            high, refusal = share, error
+        share = (low + high) / 2
     if best is None:
         raise refusal
     return Step(best, low)

@@ -34,6 +34,11 @@ class Slack(NamedTuple):
     law: float = 0.5  # power of a segment's length with which the departure grows
     unit: str = ""  # of a bound that the user has set; empty for one due to the path
 
+    @property
+    def kept(self) -> float:
+        """The value that the motion keeps."""
+        return float(self.least + self.walking.min())
+
 
 def subdivide(cuts: Array, slacks: Callable[[Array], Sequence[Slack]]) -> Array:
     """Cut the segments that do not keep a bound, until all segments keep all bounds.
@@ -63,11 +68,7 @@ def subdivide(cuts: Array, slacks: Callable[[Array], Sequence[Slack]]) -> Array:
         pieces = np.max([needed(slack) for slack in found], axis=0)
         if (pieces == 1).all():
             return cuts
-        kept = [
-            f"{s.bound} of {s.least + s.walking.min():.4g} {s.unit}"
-            for s in found
-            if s.unit
-        ]
+        kept = [f"{s.bound} of {s.kept:.4g} {s.unit}" for s in found if s.unit]
         held = f", which keep {' and '.join(kept)}" if kept else ""
         tick(f"{len(cuts) - 1} segments{held}")
         if pieces.sum() > MOST_DIVIDED:
@@ -84,10 +85,9 @@ def _refusal(cuts: Array, found: Sequence[Slack]) -> BoundError:
     )
     if not worst.unit:
         return BoundError(f"the {worst.bound} needs {many}; ask for a shorter path")
-    kept = worst.least + worst.walking.min()
     return BoundError(
         f"{worst.bound} of {worst.least:.4g} {worst.unit} would need {many}; "
-        f"{kept:.4g} {worst.unit} is kept with {len(cuts) - 1}: ask for less"
+        f"{worst.kept:.4g} {worst.unit} is kept with {len(cuts) - 1}: ask for less"
     )
 
 

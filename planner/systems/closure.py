@@ -8,7 +8,7 @@ configurations around it. Where rounding could decide, `exact_rank` uses fractio
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 
 from planner.errors import SingularConfigurationError
 from planner.numerics.arrays import ROUNDING, Array
+from planner.numerics.subspaces import rank
 from planner.systems.elements import name_of
 from planner.systems.fields import NumericField, Symbols, VectorField, lie_bracket
 from planner.systems.rounding import WeighedValues
@@ -41,18 +42,23 @@ class LieClosure:
     depth: int  # highest degree of brackets that was formed
     complete: bool  # whether the next degree adds no field
 
+    @property
+    def rank(self) -> int:
+        """Rank of the fields at the configuration."""
+        return rank(self.columns)
+
 
 def involutive_closure(
     generators: Mapping[str, VectorField],
     state: Symbols,
     at: ArrayLike,
     max_depth: int,
-    until: Callable[[LieClosure], bool] = lambda algebra: False,
+    enough: int | None = None,
 ) -> LieClosure:
     """The involutive closure of fields around a configuration of shape (n,).
 
-    The search ends at `max_depth`, once `until` says that the algebra found suffices,
-    or if there are too many fields or too long formulas. Raises
+    The search ends at `max_depth`, once the rank at the configuration is `enough`, or
+    if there are too many fields or too long formulas. Raises
     `SingularConfigurationError` if a field is not finite at the configuration.
     """
     if max_depth < 1:
@@ -60,9 +66,9 @@ def involutive_closure(
     span = _Span(state, np.asarray(at, dtype=float))
     roots = newest = span.extend(generators.items())
     algebra = span.algebra(1, complete=not newest)
-    while not (
-        algebra.complete or algebra.depth == max_depth or span.full or until(algebra)
-    ):
+    while not (algebra.complete or algebra.depth == max_depth or span.full):
+        if algebra.rank == enough:
+            break
         newest = span.extend(
             (name_of((a, b)), lie_bracket(f, g, state))
             for a, f in roots

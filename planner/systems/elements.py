@@ -88,6 +88,14 @@ def leaves(tree: Tree) -> tuple[str, ...]:
     return (tree,) if isinstance(tree, str) else leaves(tree[0]) + leaves(tree[1])
 
 
+def word_of(tree: Tree) -> tuple[str, ...]:
+    """Fields of the flows that realise an element, eq. (20), without their signs."""
+    if isinstance(tree, str):
+        return (tree,)
+    left, right = word_of(tree[0]), word_of(tree[1])
+    return (*left, *right, *left[::-1], *right[::-1])
+
+
 def column(tree: Tree, system: StratifiedSystem) -> VectorField:
     """The vector field of an element."""
     if isinstance(tree, str):

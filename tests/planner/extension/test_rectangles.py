@@ -7,7 +7,7 @@ import pytest
 
 from planner.execution.execution import Execution
 from planner.extension.extended import extend
-from planner.extension.input_units import weights
+from planner.extension.rectangles import weights
 from planner.lie.hall import hall_basis
 from planner.planning.algorithm import plan
 from planner.planning.paths import line
