@@ -26,7 +26,7 @@ Sec. 2.1   step length   critical_step                        planning/critical_
 Def. 1     Phi_i         LevelSet                             systems/level_sets
 Def. 1     S_I           StratifiedSystem                     systems/strata
 eq. (10)   g_{I,j}       StratifiedSystem.strata              systems/strata
-eq. (11)   gait          Gait                                 systems/gait
+eq. (11)   gait          Gait                                 systems/flows
 Sec. 4     D_i           gait_controllability                 controllability/gaits
 eq. (12)   six flows     rollout                              planning/rollouts
 eq. (13)   [g_11, g_12]  require_decoupled                    extension/fields_on_bottom

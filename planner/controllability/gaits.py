@@ -27,7 +27,7 @@ from planner.numerics.subspaces import (
 )
 from planner.systems.closure import LieClosure, exact_rank, involutive_closure
 from planner.systems.fields import NumericField, VectorField
-from planner.systems.gait import Gait
+from planner.systems.flows import Gait
 from planner.systems.level_sets import LevelSet
 from planner.systems.strata import StratifiedSystem
 

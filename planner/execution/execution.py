@@ -30,8 +30,7 @@ from planner.extension.steering import Wording
 from planner.numerics.arrays import Array
 from planner.support.stopping import tick
 from planner.systems.flows import Flow, Word, flow_map
-from planner.systems.gait import regroup_in_gait
-from planner.systems.grouping import regroup
+from planner.systems.grouping import regroup, regroup_in_gait
 from planner.systems.shape import ShapeLimits
 from planner.systems.strata import StratifiedSystem
 

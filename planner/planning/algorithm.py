@@ -6,7 +6,7 @@ from bisect import bisect_left
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from itertools import accumulate, chain, groupby, pairwise
+from itertools import accumulate, chain, pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -29,7 +29,6 @@ from planner.planning.paths import Path, as_path
 from planner.support.stopping import tick
 from planner.systems.elements import parse
 from planner.systems.flows import Flow, contact_switches, require_flows, visits
-from planner.systems.gait import gait_steps, walk_switches
 from planner.systems.strata import StratifiedSystem
 
 MOST_TRIED = 10_000  # segments, where a plan needs more of them to keep its limits
@@ -114,19 +113,8 @@ class Plan:
     @property
     def contact_switches(self) -> int:
         """Number of lift-offs and touchdowns."""
-        if self.gait:
-            return walk_switches(self.system, self.walk)
-        return contact_switches(self.system, self.flows, self.depart, self.arrive)
-
-    @property
-    def walk(self) -> tuple[str, ...]:
-        """Strata visited in turn: all along the gait, or those of flows without one."""
         ends = self.depart, self.arrive
-        if self.gait:
-            steps = gait_steps(self.system, self.flows, self.gait, ends)
-            return (ends[0], *chain(*steps))
-        visited = groupby([ends[0], *(flow.stratum for flow in self.flows), ends[1]])
-        return tuple(stratum for stratum, _ in visited)
+        return contact_switches(self.system, self.flows, *ends, self.gait)
 
     def segments(self) -> Iterator[tuple[Flow, ...]]:
         """The flows of each segment."""

@@ -9,18 +9,15 @@ from .fields import (
 )
 from .flows import (
     Flow as Flow,
+    Gait as Gait,
     contact_switches as contact_switches,
     flow_map as flow_map,
+    gait_steps as gait_steps,
     merged as merged,
 )
 from .formulas import (
     RESERVED as RESERVED,
     read_formula as read_formula,
-)
-from .gait import (
-    Gait as Gait,
-    gait_steps as gait_steps,
-    walk_switches as walk_switches,
 )
 from .grouping import regroup as regroup
 from .level_sets import LevelSet as LevelSet

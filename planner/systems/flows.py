@@ -1,21 +1,23 @@
-"""Flows along the fields of strata in time order, eq. (2).
+"""Flows along the fields of strata in time order, eq. (2), and gaits, eq. (11).
 
 Every flow names its stratum, so flows that lift feet and set them down are never
 listed: they are implied wherever the stratum changes. `planning.rollouts` composes
-flows as eq. (12) does; the series of eq. (2) is `lie.tensor.Tensor.exp`.
+flows as eq. (12) does; the series of eq. (2) is `lie.tensor.Tensor.exp`. A gait is a
+closed walk in the graph of strata, possibly through some on which nothing flows.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from itertools import groupby, pairwise
+from dataclasses import dataclass
+from itertools import chain, groupby, pairwise
 from operator import itemgetter
 from typing import NamedTuple
 
 import numpy as np
 
-from planner.errors import require_known
+from planner.errors import StratumError, require_known
 from planner.numerics.arrays import Array
 from planner.numerics.collocation import follow
 from planner.systems.strata import StratifiedSystem
@@ -82,7 +84,11 @@ def visits(flows: Iterable[Flow]) -> list[list[Flow]]:
 
 
 def contact_switches(
-    system: StratifiedSystem, flows: Iterable[Flow], start: str = "", goal: str = ""
+    system: StratifiedSystem,
+    flows: Iterable[Flow],
+    start: str = "",
+    goal: str = "",
+    gait: Sequence[str] = (),
 ) -> int:
     """Number of lift-offs and touchdowns that a sequence of flows implies, eq. (12).
 
@@ -93,6 +99,8 @@ def contact_switches(
         flows: Flows in time order.
         start: Stratum before the first flow; the bottom stratum if empty.
         goal: Stratum after the last flow; the bottom stratum if empty.
+        gait: Closed walk that is followed, through strata without flows too; the
+            shortest way if empty.
 
     Example:
         >>> from planner import Flow, StratifiedSystem, contact_switches
@@ -101,9 +109,11 @@ def contact_switches(
         >>> contact_switches(walker, [Flow("1", "f", 1), Flow("2", "g", 1)])
         4
     """
-    visited = [run[0].stratum for run in visits(merged(flows))]
-    walk = [start or system.bottom, *visited, goal or system.bottom]
-    return sum(system.switches(a, b) for a, b in pairwise(walk))
+    ends = start or system.bottom, goal or system.bottom
+    walk = [run[0].stratum for run in visits(merged(flows))] + [ends[1]]
+    if gait:
+        walk = [*chain(*gait_steps(system, flows, gait, ends))]
+    return sum(system.switches(a, b) for a, b in pairwise([ends[0], *walk]))
 
 
 def flow_map(
@@ -133,3 +143,91 @@ def flow_map(
     if field.is_constant and np.isfinite(end := start + duration * steady).all():
         return end
     return follow(field.velocity, start, duration, steady)
+
+
+@dataclass(frozen=True, eq=False)
+class Gait:
+    """A closed walk in the graph of strata, eq. (11).
+
+    Attributes:
+        system: System whose strata it visits.
+        strata: Names of the strata in order; the first and the last are the same.
+
+    Raises:
+        StratumError: The sequence is not a closed walk in the graph.
+
+    Example:
+        >>> from planner import Gait, StratifiedSystem
+        >>> fields = {"12": {}, "1": {"f": [1, 0, 0]}, "2": {"g": [0, 1, "x"]}}
+        >>> walker = StratifiedSystem("x y z", fields, "12")
+        >>> print(Gait(walker, ("12", "1", "12", "2", "12")))
+        S12 -> S1 -> S12 -> S2 -> S12
+    """
+
+    system: StratifiedSystem
+    strata: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "strata", tuple(self.strata))
+        if not self.strata:
+            raise StratumError("a gait visits at least one stratum, got none (eq. 11)")
+        for name in self.strata:
+            what = f"stratum {name!r} of gait {self}"
+            require_known(what, name, self.system.strata, StratumError)
+        if self.strata[0] != self.strata[-1]:
+            raise StratumError(
+                f"gait {self} does not close: it starts in S{self.strata[0]} and "
+                f"ends in S{self.strata[-1]}; end it in S{self.strata[0]} (eq. 11)"
+            )
+        for a, b in pairwise(self.strata):
+            if b not in (a, *self.system.neighbours[a]):
+                near = ", ".join(f"S{s}" for s in self.system.neighbours[a]) or "none"
+                raise StratumError(
+                    f"gait {self} steps from S{a} to S{b}, which are not neighbours; "
+                    f"the neighbours of S{a}: {near} (Fig. 3)"
+                )
+
+    def __str__(self) -> str:
+        return " -> ".join(f"S{name}" for name in self.strata)
+
+    @property
+    def once_around(self) -> tuple[str, ...]:
+        """The strata without the last, which is the first again."""
+        return self.strata[:-1] or self.strata
+
+
+def gait_steps(
+    system: StratifiedSystem,
+    flows: Iterable[Flow],
+    gait: Sequence[str],
+    ends: tuple[str, str],
+) -> tuple[tuple[str, ...], ...]:
+    """Strata entered before each flow along a closed walk, and after the last flow.
+
+    `ends` are the strata before the first flow and after the last one.
+    """
+    cycle = Gait(system, tuple(gait)).once_around
+    wanted = [*(flow.stratum for flow in flows), ends[1]]
+    walks = []
+    for at in places_in(cycle, ends[0]):
+        places = [at]
+        for stratum in wanted:
+            last = places[-1]
+            ahead = [(at - last) % len(cycle) for at in places_in(cycle, stratum)]
+            places.append(last + min(ahead))
+        walks.append(places)
+    places = min(walks, key=lambda walk: walk[-1] - walk[0])
+    return tuple(
+        tuple(cycle[i % len(cycle)] for i in range(before + 1, after + 1))
+        for before, after in pairwise(places)
+    )
+
+
+def places_in(cycle: Sequence[str], stratum: str) -> list[int]:
+    """Places of a stratum in a gait; `StratumError` if there is none."""
+    if stratum not in cycle:
+        raise StratumError(
+            f"the gait {' '.join(cycle)} does not visit S{stratum}, which is needed; "
+            "add it"
+        )
+    return [i for i, name in enumerate(cycle) if name == stratum]

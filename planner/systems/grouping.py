@@ -3,7 +3,8 @@
 Two flows are interchanged only if their fields commute. Where a segment may follow one
 of several words, such as those of backward and of forward Hall coordinates, the words
 are chosen that switch contacts least over the whole plan. Durations do not matter. That
-lift fields commute with flows is checked in `extension.fields_on_bottom`.
+lift fields commute with flows is checked in `extension.fields_on_bottom`. It is never
+worse to stay on a stratum until no further flow can run there.
 """
 
 from __future__ import annotations
@@ -13,9 +14,10 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from itertools import chain, groupby, product
+from operator import itemgetter
 
 from planner.support.stopping import tick
-from planner.systems.flows import Flow, Word
+from planner.systems.flows import Flow, Gait, Word, places_in
 from planner.systems.strata import StratifiedSystem
 
 Commute = Callable[[str, str], bool]
@@ -62,8 +64,7 @@ class Grouper:
     def arrangements(self, pattern: Pattern, start: str) -> tuple[Arrangement, ...]:
         """The arrangement with fewest contact switches for each stratum to end in.
 
-        It never costs a switch to stay on a stratum until no further flow can run
-        there. A stratum that is left out is reached as cheaply from those listed.
+        A stratum that is left out is reached as cheaply from those listed.
         """
         if not pattern:
             return (Arrangement((), start, 0),)
@@ -248,3 +249,44 @@ def _onward(
             grouper.system.switches(here, grouper.system.stratum_of[name])
     least = min(reached.values())
     return tuple((end, total - least) for end, total in reached.items()), links
+
+
+def regroup_in_gait(
+    grouper: Grouper,
+    segments: Sequence[Sequence[Word]],
+    gait: Sequence[str],
+    start: str,
+) -> list[list[Flow]]:
+    """Flows of each segment in the order of a gait, with the fewest steps of it.
+
+    Each segment has words to choose from; `start` is the stratum before the first flow.
+    """
+    cycle = Gait(grouper.system, tuple(gait)).once_around
+    plans = []
+    for place in places_in(cycle, start):
+        ordered: list[list[Flow]] = []
+        for ways in segments:
+            found = [
+                (*_ordered(grouper, way.fields, cycle, place), way) for way in ways
+            ]
+            place, order, way = min(found, key=itemgetter(0))
+            ordered.append(grouper.flows(way, order))
+        plans.append((place, ordered))
+    return min(plans, key=itemgetter(0))[1]
+
+
+def _ordered(
+    grouper: Grouper, pattern: tuple[str, ...], cycle: Sequence[str], place: int
+) -> tuple[int, tuple[int, ...]]:
+    """The place after the last flow of a pattern, and the order of its flows."""
+    strata = [grouper.system.stratum_of[name] for name in pattern]
+    for stratum in strata:
+        places_in(cycle, stratum)  # refuses what the gait never visits
+    after = grouper.prerequisites(pattern)
+    order: tuple[int, ...] = ()
+    done = 0
+    while len(order) < len(pattern):
+        run, done = run_on(strata, after, done, cycle[place % len(cycle)])
+        order += run
+        place += len(order) < len(pattern)
+    return place, order

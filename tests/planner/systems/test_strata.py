@@ -8,7 +8,7 @@ import sympy as sp
 
 from planner.errors import StratumError
 from planner.systems.fields import NumericField
-from planner.systems.gait import Gait
+from planner.systems.flows import Gait
 from planner.systems.level_sets import LevelSet
 from planner.systems.strata import StratifiedSystem
 from tests.systems import GAIT, hexapod
