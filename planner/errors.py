@@ -95,10 +95,6 @@ class ResolutionError(PlannerError):
         super().__init__(message)
 
 
-ADD = "add fields or brackets, or keep the path away from there"
-DEEPER = "brackets to degree {0} suffice: name them, or choose with max_degree={0}"
-
-
 class RankError(PlannerError):
     """Elements that do not span the tangent space of the bottom stratum (Def. 3).
 
@@ -119,10 +115,14 @@ class RankError(PlannerError):
         """Take the degree of brackets that would be enough, if there is one."""
         self.rank, self.needed = needed - len(missing), needed
         self.missing = tuple(missing)
+        way_out = "add fields or brackets, or keep the path away from there"
+        if enough:
+            way_out = f"brackets to degree {enough} suffice: name them, or choose with "
+            way_out += f"max_degree={enough}"
         super().__init__(
             f"the extended system has rank {self.rank} of {needed} at "
             f"{point(configuration)} (Def. 3), nothing along {', '.join(missing)}; "
-            + (DEEPER.format(enough) if enough else ADD)
+            f"{way_out}"
         )
 
 

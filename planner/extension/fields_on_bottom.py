@@ -36,10 +36,7 @@ def lifts(system: StratifiedSystem, stratum: str, bottom: str = "") -> tuple[str
     They change the level sets of the bottom stratum, or of another one that is named,
     independently of one another. They are those that the system declares for the
     stratum; or all fields that leave, if these are independent; or the fields that move
-    nothing but heights, as in Assumption 2.
-
-    Raises:
-        StratumError: That leaves a choice.
+    nothing but heights, as in Assumption 2. `StratumError` if that leaves a choice.
     """
     level_set = system.level_set(bottom or system.bottom)
     if not level_set.functions:

@@ -101,10 +101,9 @@ class Steering:
         generators themselves run in the other order. `shortest` takes short words
         where two fields have the only bracket, and the shorter of the first two
         elsewhere. `alternating` mirrors every second of the backward words. The
-        coordinates are backward ones, shape (segments, s). With the configurations that
-        segments start from, shape (segments, n), inputs are measured in the units of
-        `rectangles`, and rectangles are those that leave the smallest error there;
-        without them, or without `rectangles`, words are those that are printed.
+        coordinates are backward ones (segments, s). With the configurations (segments,
+        n) that segments start from, units and rectangles are those of `rectangles`
+        there; without either, words are those that are printed.
         """
         if at is None:
             return self.scaled_words(hall_coordinates, order)
@@ -121,8 +120,8 @@ class Steering:
     ) -> list[Word]:
         """Words whose flows are measured in other units, or run backward.
 
-        All of them realise the same coordinates; they differ in brackets beyond. Scales
-        have shape (segments, m) or (m,); None takes the words that are printed.
+        All realise the same coordinates, and differ in brackets beyond. Scales have
+        shape (segments, m) or (m,); without them words are those that are printed.
         """
         shape = len(hall_coordinates), len(self.hall.generators)
         scales = np.broadcast_to(1.0 if scales is None else scales, shape)

@@ -34,12 +34,8 @@ def mirrored_spellings(
 ) -> list[Spelling]:
     """Mirror images of backward words, which realise the same Hall coordinates.
 
-    Args:
-        basis: Hall elements, s of them.
-        hall_coordinates: Backward coordinates, shape (segments, s).
-        bracket_degree: Degree of the brackets that the words approximate; its parity
-            chooses the symmetry.
-        vanishing: As in `lie.input_words.word`.
+    These are backward ones (segments, s). The degree of the brackets that the words
+    approximate chooses the symmetry; `vanishing` is as in `lie.input_words.word`.
     """
     signs = (-1.0) ** np.array(lie_algebra(tuple(basis)).degrees)
     if bracket_degree % 2 == 0:

@@ -18,15 +18,10 @@ from planner.numerics.arrays import Array
 
 
 def short_durations(first: Array, second: Array, bracket: Array) -> Array:
-    """Durations of the shortest word of five flows X, Y, X, Y, X.
+    """Durations of the shortest word of five flows X, Y, X, Y, X, (segments, 5).
 
-    Args:
-        first: Backward coordinates of X, the left field of the bracket, (segments,).
-        second: Backward coordinates of Y, the right field, shape (segments,).
-        bracket: Backward coordinates of [X,Y], shape (segments,).
-
-    Returns:
-        Shape (segments, 5); the first or the last duration is zero.
+    Backward coordinates of X, Y and [X,Y] have shape (segments,). The first or the last
+    duration is zero.
     """
     p, q = _rectangles(bracket, first, second)
     starting_with_second = np.stack([0 * p, second - q, p, q, first - p], axis=-1)

@@ -25,19 +25,12 @@ HALVINGS = 12  # of a step before the flow is refused
 
 @dataclass(frozen=True, eq=False)
 class Collocation:
-    """Matrices that act on the values of a polynomial at nodes in [0, 1].
+    """Matrices (k, k) that act on the values of a polynomial at nodes in [0, 1]."""
 
-    Attributes:
-        nodes: Chebyshev points of the second kind, ascending, shape (k,).
-        derivative: Maps values to values of the derivative, shape (k, k).
-        integral: Maps values to values of the integral from 0, shape (k, k).
-        coefficients: Maps values to Chebyshev coefficients, shape (k, k).
-    """
-
-    nodes: Array
-    derivative: Array
-    integral: Array
-    coefficients: Array
+    nodes: Array  # Chebyshev points of the second kind, ascending, shape (k,)
+    derivative: Array  # to values of the derivative
+    integral: Array  # to values of the integral from 0
+    coefficients: Array  # to Chebyshev coefficients
 
 
 @cache
@@ -63,23 +56,14 @@ def follow(
     duration: float,
     steady: Array | None = None,
 ) -> Array:
-    """The end of a flow along a field, to machine precision, shape (n,).
+    """The end of a flow along a field from x of shape (n,), to machine precision.
 
     Picard's iteration on the nodes is exact after a few iterations if the rate of each
     coordinate depends on the coordinates before it only. For other fields it converges
-    for short steps, so the duration is halved until it does.
-
-    Args:
-        field: Maps states of shape (k, n) to velocities of the same shape, which are
-            not finite where the field is singular.
-        x: Start, shape (n,).
-        duration: Signed duration of the flow.
-        steady: Velocity to begin the iteration with, such as the constant part of the
-            field, shape (n,); none at all if not given.
-
-    Raises:
-        ConvergenceError: The flow escapes to infinity, or `HALVINGS` halvings do not
-            suffice.
+    for short steps, so the duration is halved until it does; a flow that `HALVINGS` do
+    not suffice for, or that escapes, raises `ConvergenceError`. The field maps states
+    (k, n) to velocities, not finite where it is singular. The iteration begins with
+    `steady`, such as the constant part of the field, shape (n,).
     """
     starts, durations = np.asarray(x, dtype=float)[None], np.array([duration])
     (end,) = follow_all(field, starts, durations, steady)

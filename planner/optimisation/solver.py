@@ -160,9 +160,6 @@ def _watch() -> Callable[[int, int], Expression]:
         def get_n_in(self) -> int:
             return len(given)
 
-        def get_n_out(self) -> int:
-            return 1
-
         def get_sparsity_in(self, i: int) -> Expression:
             return ca.Sparsity.dense(self._sizes.get(given[i], 0), 1)
 

@@ -3,14 +3,10 @@
 With n segments, an element of degree d has a coordinate of size 1/n in each of them,
 and the flows of its word have length n^(-1/d). A word that is exact to degree k leaves
 errors that are products of k + 1 such lengths, so that n segments together miss the
-goal by
-
-    n (n^(-1/d))^(k + 1) = n^(-(k + 1 - d)/d),
-
-where d is the highest degree of the brackets that the path requires. If the fields of
-this part of the error vanish, there is one more factor, and the error is
-n^(-(k + 2 - d)/d). This is the case for walkers with d = k = 2 whose two strokes are
-mirror images of each other. If all brackets of degree k + 1 vanish, the plan is exact.
+goal by n (n^(-1/d))^(k + 1) = n^(-(k + 1 - d)/d), where d is the highest degree of the
+brackets that the path requires. If the fields of this part of the error vanish, as for
+walkers with d = k = 2 whose two strokes are mirror images of each other, there is one
+more factor. If all brackets of degree k + 1 vanish, the plan is exact.
 """
 
 from __future__ import annotations

@@ -15,7 +15,7 @@ import numpy as np
 
 from planner.errors import RangeError, require_known
 from planner.numerics.arrays import Array
-from planner.systems.fields import NumericField, VectorField
+from planner.systems.fields import NumericField
 from planner.systems.flows import Flow
 from planner.systems.strata import StratifiedSystem
 
@@ -37,8 +37,13 @@ class ShapeCoordinates:
     @cached_property
     def rates(self) -> dict[str, Array]:
         """Rates of all coordinates along each field, nan where not constant."""
-        size = self.system.dimension
-        return {name: _rates(field, size) for name, field in self.system.fields.items()}
+        unknown = np.full(self.system.dimension, np.nan)
+        return {
+            name: unknown
+            if isinstance(field, NumericField)
+            else np.array([float(e) if e.is_number else np.nan for e in field])
+            for name, field in self.system.fields.items()
+        }
 
     @cached_property
     def coordinates(self) -> frozenset[int]:
@@ -112,9 +117,3 @@ class ShapeCoordinates:
                 "at constant rates"
             )
         return index
-
-
-def _rates(field: VectorField, size: int) -> Array:
-    if isinstance(field, NumericField):
-        return np.full(size, np.nan)
-    return np.array([float(e) if e.is_number else np.nan for e in field])
