@@ -3,9 +3,7 @@
 A stroke is the swing of a loaded leg, a recovery the swing of a leg in the air. A
 recovery moves one shape coordinate on which no field depends, so it commutes with all
 flows and does not move the body. The recoveries of a plan are therefore replaced by
-others: before each visit with a stroke, the leg is brought to where the stroke will be
-centred on zero. The body moves as before, and the legs stay near the middle of their
-range.
+others, which bring the leg to where its next stroke will be centred on zero.
 """
 
 from __future__ import annotations
@@ -63,8 +61,7 @@ def centred(
     """Flows that move the body as given ones do, with every stroke centred on zero.
 
     The flows of each segment are grouped by stratum and lead from a configuration (n,)
-    to the shape of another, or leave the legs where they are if that is None; `ends`
-    are the strata before and after them.
+    to the shape of another, if there is one; `ends` are the strata before and after.
     """
     visits = list[_Visit]()  # some may be left empty
     for k, flows in enumerate(segments):
@@ -129,17 +126,15 @@ def _place(
     between: tuple[int, _Visit],
     depart: str,
 ) -> _Visit:
-    """The latest visit that allows the recovery, or a new one.
+    """The latest visit that allows the recovery, or a new one of fewest switches.
 
-    It lies between the index of the first visit that comes into question and the visit
-    that follows all of them. A new visit is inserted where it adds fewest contact
-    switches.
+    It is not before the first visit that comes into question, by its index, and before
+    the visit that follows all of them.
     """
     first, following = between
     for visit in reversed(done[first:]):
         if visit.stratum in recoveries:
             return visit
-
     strata = [depart, *(visit.stratum for visit in done), following.stratum]
 
     def added(place: tuple[int, str]) -> int:

@@ -79,12 +79,12 @@ class _Legs:
     def stroke(self, flow: Flow) -> Iterator[Flow]:
         """A stroke in parts, with the legs repositioned before each part."""
         rates = np.nan_to_num(self.shape.rates[flow.field])
-        if stuck := [i for i in self.spans if rates[i] and i not in self.recoveries]:
-            raise StratumError(
-                f"{flow.field} moves {self.shape.names[stuck[0]]} in a stroke, and no "
-                "field is its recovery; the legs cannot be repositioned"
-            )
         for i, (low, high) in self.spans.items():
+            if rates[i] and i not in self.recoveries:
+                raise StratumError(
+                    f"{flow.field} moves {self.shape.names[i]} in a stroke, and no "
+                    "field is its recovery; the legs cannot be repositioned"
+                )
             if rates[i] and not low < 0 < high:
                 raise StratumError(
                     f"{flow.field} makes strokes of {self.shape.names[i]} around zero, "
@@ -106,11 +106,8 @@ class _Legs:
         Legs that can be moved from zero to the ends of a stroke can also be moved back,
         and so from the end of any stroke to the start of any other.
         """
-        shares = (
-            abs(way[i]) / (2 * min(high, -low))
-            for i, (low, high) in self.spans.items()
-            if way[i]
-        )
+        spans = [(i, 2 * min(high, -low)) for i, (low, high) in self.spans.items()]
+        shares = [abs(way[i]) / span for i, span in spans if way[i]]
         fewest = max(1, ceil(max(shares, default=0.0) - STROKE_ROUNDING))
         rest = dict.fromkeys(self.recoveries, 0.0)
         for parts in range(fewest, fewest + MOST_PARTS):
@@ -172,13 +169,12 @@ def reposition_legs(
     """The cheapest sequence of moves through the air, one leg at a time.
 
     Whether the robot is statically stable without a leg depends on where the others
-    are, so that a leg may have to wait, or to stand elsewhere for a while. The cheapest
-    sequence is found by value iteration over all combinations of places.
+    are, so that a leg may have to wait, or to stand elsewhere for a while.
 
     Each of L legs has places (P_i,) where it may stand, with the index of the place
     where it is, and where it is to be. `steady`, shape (L, P_1, ..., P_L), bool, is
     whether the robot is stable while a leg is in the air. Gives leg and place of each
-    move in time order, or None if no sequence leads there.
+    move in time order, or None if value iteration finds no sequence that leads there.
     """
     ways = [LIFT_COST + np.abs(place[:, None] - place) for place in places]
     for way in ways:
@@ -213,12 +209,11 @@ def _next(
     cost: Array, ways: Sequence[Array], steady: Array, here: Sequence[int]
 ) -> tuple[int, int]:
     """Leg and place of the next move of a cheapest sequence."""
-    best = (np.inf, 0, 0)
+    found = []
     for leg, (way, free) in enumerate(zip(ways, steady, strict=True)):
         if free[tuple(here)]:
-            landed = np.where(free, cost, np.inf)
-            line = np.moveaxis(landed, leg, -1)[(*here[:leg], *here[leg + 1 :])]
-            onward = way[here[leg]] + line
-            place = int(np.argmin(onward))
-            best = min(best, (float(onward[place]), leg, place))
-    return best[1], best[2]
+            line: tuple[int | slice, ...]
+            line = (*here[:leg], slice(None), *here[leg + 1 :])
+            onward = way[here[leg]] + np.where(free, cost, np.inf)[line]
+            found.append((float(onward.min()), leg, int(onward.argmin())))
+    return min(found)[1:]

@@ -125,9 +125,8 @@ class Constraints:
         """Impose the task's inequalities where stages begin, have recovered and end.
 
         Soft constraints share one slack variable with the corridor: its width in excess
-        of its minimum, in tolerances. States are those at the beginnings and ends of
-        all occurrences of the stage, as columns, and `stages` are their numbers;
-        `start`, shape (n,), has the coordinates that no stage moves.
+        of its minimum, in tolerances. States are those at both ends of all occurrences
+        of the stage, as columns; `stages` are their numbers, `start` as elsewhere.
         """
         if not task.inequalities:
             return
@@ -186,9 +185,9 @@ def path_distance(task: Task, path: Path) -> tuple[Expression, list[int]]:
     """The distance from a path, in the groups of coordinates that have tolerances.
 
     The function maps the unknown coordinates, the place on the path and the width of
-    the corridor in tolerances to values that are at most zero inside; each value has
-    the width to a power. The first group is the position, compared at the place; the
-    others are compared where the tangent there is nearest to the position.
+    the corridor to values at most zero inside, each with the width to a power. The
+    first group is the position, compared at the place; the others are compared where
+    the tangent there is nearest to the position.
     """
     ca = solver()
     x, s = ca.MX.sym("x", len(task.moved)), ca.MX.sym("s")

@@ -92,8 +92,8 @@ class Optimiser:
     def _best(self) -> Optimiser:
         """The optimiser whose plan, played exactly, is best: for no larger tolerance.
 
-        Those for rounded tolerances are the same for all larger ones, whatever
-        refinement makes of their plans, so that no larger tolerance takes longer.
+        Those for rounded tolerances are the same for all larger ones, so that none of
+        these takes longer, whatever refinement makes of a plan.
         """
         given = self.criterion, self.extended, self.path, self.segments
         values = list[tuple[float, int, Optimiser]]()
@@ -134,11 +134,10 @@ class Optimiser:
     def plan(self, goal: Array | None = None) -> Plan:
         """The plan, refined until its exact motion meets the goal and constraints.
 
-        The program integrates in few steps and checks its constraints only there.
-        Stages whose exact motion violates them in between are solved again with larger
-        margins, between the states in which their window begins and ends. The goal,
-        shape (n,), is the path's own unless another is given. A `BoundError` says that
-        no plan keeps the tolerances, or none that was found when it is played exactly.
+        Stages whose exact motion violates them, between the few steps in which the
+        program checks them, are solved again with larger margins. The goal, shape (n,),
+        is the path's own unless another is given. A `BoundError` says that no plan
+        keeps the tolerances, or none that was found when it is played exactly.
         """
         goal = self.path(1.0) if goal is None else goal
         _ = self._solutions

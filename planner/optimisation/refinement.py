@@ -1,8 +1,7 @@
 """Violations between the points where a program checks its constraints, and margins.
 
-A program checks the corridor after a few steps of every stage, and inequalities at the
-ends of stages. Here the motion is checked after many steps, stage by stage, so that
-margins are enlarged in the stages that need it.
+A program checks the corridor after a few steps of every stage, and inequalities at its
+ends. Here the motion is checked after many, and margins grow in the stages in need.
 """
 
 from __future__ import annotations
@@ -98,8 +97,7 @@ class Refinement:
     def _widths(self, solutions: Sequence[Solution], parts: Sequence[Array]) -> Array:
         """Largest deviation of the states of each stage, in tolerances.
 
-        The position is compared with the places on the path that belong to the states
-        in the solutions.
+        The position is compared with the places that belong to it in the solutions.
         """
         groups = [list(tolerance.coordinates) for tolerance in self.task.tolerances]
         points = self.path.at(np.linspace(0.0, 1.0, PATH_POINTS))

@@ -40,10 +40,9 @@ class Search(WindowSearch):
     def run(self) -> list[Solution]:
         """Consecutive solutions from the start of the path to its goal.
 
-        Ctrl-C, or the end of the time to plan in, ends the search for better plans;
-        before a plan is found it is passed on. A `BoundError` says which tolerances
-        would be kept if those given are not. The search is made for the next rounded
-        tolerance, and its best plans are then solved for the one that is asked for.
+        Ctrl-C, or the end of the time to plan in, ends the search once a plan is found.
+        A `BoundError` says which tolerances would be kept. The search is made for the
+        next rounded tolerance, and its best plans are then solved for the given one.
         """
         given = self.path, self.score, self.coarse, self.report, self.hops
         try:

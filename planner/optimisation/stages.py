@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 
@@ -63,7 +64,7 @@ def cycle(system: StratifiedSystem, elements: Sequence[str]) -> tuple[Stage, ...
     not allow have a stage of their own.
     """
     trees = [parse(text, system) for text in elements]
-    names = list(dict.fromkeys(name for tree in trees for name in leaves(tree)))
+    names = list(dict.fromkeys(chain(*map(leaves, trees))))
     for name in names:
         if isinstance(system.fields[name], NumericField):
             raise StratumError(
@@ -137,8 +138,7 @@ def guesses(
         segments = max(1, int(share * (count - 1) / (2 * len(stages))))
         with suppress(PlannerError):
             flows = coarse(*places, segments) if coarse else ()
-            found = amounts_of(stages, flows, count)
-            if found is not None:
+            if (found := amounts_of(stages, flows, count)) is not None:
                 yield found
     rng = np.random.default_rng(0)
     for _ in range(RANDOM_GUESSES):  # as many backward as forward in turn, with noise
@@ -155,13 +155,12 @@ def amounts_of(
 
     Recoveries are ignored. None if the strokes need more stages than there are.
     """
-    amounts, k = np.zeros(count), 0
+    amounts, k, strokes = np.zeros(count), 0, [stage.stroke for stage in stages]
     for flow in flows:
-        if all(flow.field != stage.stroke for stage in stages):
-            continue
-        while k < count and stages[k % len(stages)].stroke != flow.field:
-            k += 1
-        if k >= count:
-            return None
-        amounts[k] += flow.duration
+        if flow.field in strokes:
+            while k < count and strokes[k % len(strokes)] != flow.field:
+                k += 1
+            if k >= count:
+                return None
+            amounts[k] += flow.duration
     return amounts

@@ -78,8 +78,8 @@ class Task:
     def rounded(self) -> Task:
         """The task with the tolerance of the position rounded down, to 16 a decade.
 
-        A search that is made for the rounded tolerance finds the same stages for all
-        that are rounded to it, so that a larger one does not give a longer plan.
+        A search for it finds the same stages for all tolerances that are rounded to it,
+        so that a larger one does not give a longer plan.
         """
         return self._rounded_to(PER_DECADE)[0]
 

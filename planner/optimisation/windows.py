@@ -1,15 +1,12 @@
 """The search for the number of stages of a plan for a part of the path.
 
-A program has a fixed number of stages. With fewer stages a plan switches contacts less
-often and makes longer strokes, until the tolerances of the path can no longer be kept.
-The search finds the smallest number of stages that keeps them, and looks for the best
-plan from there upward. Soft constraints, such as clearances, make a solution several
-times as expensive, and most programs with them fail from a poor first guess, so they
-are left out at first. A second search with them begins with the smallest number of
-stages that the first has found, and from its solutions.
-
-Without soft constraints the search then hops from one local optimum to the next, a
-given number of times. The draws are seeded: plans do not depend on the machine.
+With fewer stages a plan switches contacts less often and makes longer strokes, until
+the tolerances of the path can no longer be kept. The search finds the smallest number
+of stages that keeps them, and looks for the best plan from there upward. Soft
+constraints, such as clearances, make a solution several times as expensive, and most
+programs with them fail from a poor first guess, so a second search with them begins
+where the first has ended. Without them the search then hops from one local optimum to
+the next, by seeded draws: plans do not depend on the machine.
 """
 
 from __future__ import annotations
@@ -78,8 +75,7 @@ class WindowSearch:
     """Search for the best plan of one window after another.
 
     The score is the objective of a solution; `Solution.cost` lacks the part that the
-    number of stages determines. `report` is called with the share of the work that is
-    done, from 0 to 1.
+    number of stages determines. `report` is called with the share of the work done.
     """
 
     task: Task

@@ -125,12 +125,11 @@ def extend_along(
 
 
 def fictitious_inputs_along(extended: ExtendedSystem, samples: Array) -> Array:
-    """Inputs v of eq. (5) that follow each sampled segment in unit time.
+    """Inputs v of eq. (5), shape (segments, nodes, p), that follow sampled segments.
 
     The path is differentiated as the polynomial through its samples, so that the
-    integral of its velocity meets the end of the segment exactly. Inputs are zero where
-    the path does not move, and redundant elements are weighed by the units of their
-    inputs. Samples have shape (segments, nodes, n), inputs (segments, nodes, p).
+    integral of its velocity meets the end of the segment exactly. Redundant elements
+    are weighed by the units of their inputs.
     """
     segments, nodes, _ = samples.shape
     inputs = np.zeros((segments, nodes, len(extended.elements)))
@@ -147,9 +146,8 @@ def require_regular(extended: ExtendedSystem, samples: Array, inputs: Array) -> 
 
     A loss of rank at a node is detected by `extension.extended`, one between nodes by
     the sign of the determinant of the elements at both. A `ResolutionError` says that
-    inputs do not give the velocity midway, because the elements lose rank or because
-    the path turns too fast. Shots do not need this check, since each is rolled out.
-    Shapes are as in `fictitious_inputs_along`.
+    inputs do not give the velocity midway. Shots do not need this check, since each is
+    rolled out. Shapes are as in `fictitious_inputs_along`.
     """
     moving = np.flatnonzero(np.ptp(samples, axis=1).any(axis=1))
     if not len(moving):

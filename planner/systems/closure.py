@@ -113,9 +113,8 @@ class _Span:
         before = len(self._known)
         for name, field in fields:
             numeric = isinstance(field, NumericField)
-            self._operations += (
-                CALL_OPERATIONS * field.calls if numeric else int(sp.count_ops(field))
-            )
+            calls = CALL_OPERATIONS * field.calls if numeric else sp.count_ops(field)
+            self._operations += int(calls)
             values = self._evaluation(field)  # (PROBES, n)
             sound = np.all(np.isfinite(values), axis=1)
             if not sound[0]:
