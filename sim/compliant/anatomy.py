@@ -165,7 +165,7 @@ def _slack(model: mujoco.MjModel, joint: str) -> tuple[float, float, float]:
     width, rub, brake = 0.0, 1.0, 0.0
     if (band := BAND + joint) in joints:
         width += float(np.ptp(model.joint(band).range))
-        brake = float(model.tendon(BRAKE + joint).damping[0])
+        brake = float(model.tendon_damping[model.tendon(BRAKE + joint).id])
         rub = brake + float(model.joint(joint).damping[0])
     if (loose := BACKLASH + joint) in joints:
         width += float(np.ptp(model.joint(loose).range))

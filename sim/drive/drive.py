@@ -12,7 +12,6 @@ from math import ceil
 import numpy as np
 
 from planner import Array
-from sim.drive.dead_bands import DeadBands
 from sim.drive.feed_forward import FeedForward, carried_torque, leg_actuators
 from sim.drive.lift_counts import LiftCounts
 from sim.errors import SimulationError, UsageError
@@ -20,8 +19,9 @@ from sim.logs.playing import Played
 from sim.motion.schedule import Schedule, command_at, step_of
 from sim.physics.engine import STRETCH
 from sim.preparation.setup import Setup
+from sim.world.dead_bands import STEP
 
-Torques = tuple[FeedForward | None, FeedForward | None]  # rehearsed, and of a trial
+Leads = tuple[FeedForward | None, FeedForward | None]  # torques, practised angles
 LEAST_FRICTION = 0.1  # below, feet slide whatever the servos do
 
 
@@ -37,19 +37,25 @@ class Drive:
         self._offset = _zero_offsets(setup, len(self._joints))
         scenario = setup.scenario
         self._delay = round(scenario.command_delay / scenario.timestep)  # steps
+        names = [setup.model.actuator(i).name for i in range(setup.model.nu)]
+        steps = [STEP + joint for joint in setup.robot.card.joints]
+        self._twins = {  # of commands, that bands by steps take twice
+            names.index(step): joint
+            for step, joint in zip(steps, self._joints, strict=True)
+            if step in names
+        }
         self._held: Array | None = None  # the command in force
         self._late: Array | None = None  # commands that have not reached the servos
         joints, lifts = setup.robot.card.joints, setup.robot.lift_joints
         self._lifts = [joints.index(joint) for joint in lifts]  # legs ascending
         self._lift_counts = LiftCounts(setup.as_planned, self.feeds_forward)
-        self._bands = DeadBands(setup)
 
     @property
     def plain(self) -> bool:
         """Whether the commands are the intended angles and nothing else."""
         servo, delay = self._servo, self._delay
         changed = servo.rate or servo.resolution or self._offset.any() or delay
-        changed = changed or self.allows_for_bands
+        changed = changed or self.practises or bool(self._twins)
         return not (changed or self.feeds_forward)
 
     @property
@@ -58,9 +64,9 @@ class Drive:
         return self._servo.feeds_forward(float(self._stiffness.min()))
 
     @property
-    def allows_for_bands(self) -> bool:
-        """Whether commands make up for dead bands, for which a trial walk is needed."""
-        return bool(self._bands.half.any())
+    def practises(self) -> bool:
+        """Whether commands make up for slack, for which the walk is practised."""
+        return self._setup.scenario.as_assumed.is_imperfect
 
     @property
     def rehearsed(self) -> bool:
@@ -99,11 +105,11 @@ class Drive:
         most = self._servo.torque
         if most is None:
             return
-        rows = np.arange(len(torques.torque)) * torques.spacing
+        rows = np.arange(len(torques.values)) * torques.spacing
         lost = most / (self._servo.speed or np.inf)  # with speed [N m s/rad]
         turned = np.abs(self._speed(schedule, rows))
         self._require_pace(float(turned.max()))
-        needed = np.abs(torques.torque[:, self._joints]) + lost * turned
+        needed = np.abs(torques.values[:, self._joints]) + lost * turned
         knot, joint = np.unravel_index(needed.argmax(), needed.shape)
         if needed[knot, joint] <= most:
             return
@@ -136,7 +142,7 @@ class Drive:
         if torques is None or self._servo.feed_forward != "predicted":
             return
         model, joints = self._setup.model, self._joints
-        rows = np.arange(len(torques.torque)) * torques.spacing
+        rows = np.arange(len(torques.values)) * torques.spacing
         ctrl = self._ctrl(schedule, (torques, None), rows)[:, joints]
         low, high = model.actuator_ctrlrange[joints].T
         limited = model.actuator_ctrllimited[joints].astype(bool)
@@ -158,11 +164,11 @@ class Drive:
         schedule: Schedule,
         torques: FeedForward | None,
         steps: int | None = None,
-        borne: FeedForward | None = None,
+        practised: FeedForward | None = None,
     ) -> Iterator[Array]:
         """Rows of ctrl of a stretch, or of its first steps, (n, nu), n to `STRETCH`.
 
-        What servos without bands bear, on a trial walk, says which way theirs are left.
+        What was practised is added to the angles of the joints, (J,) [rad].
         """
         if self.plain:
             yield from self._setup.commands(schedule, steps)
@@ -170,16 +176,14 @@ class Drive:
         count = schedule.stop - schedule.start if steps is None else steps
         for begin in range(0, count, STRETCH):
             rows = np.arange(begin, min(begin + STRETCH, count))
-            given = self._held_commands(schedule, (torques, borne), rows)
+            given = self._held_commands(schedule, (torques, practised), rows)
             if self._late is None:  # the first one is there from the start
                 self._late = np.repeat(given[:1], self._delay, axis=0)
             both = np.concatenate([self._late, given])
             self._late = both[len(given) :]
             yield both[: len(given)]
 
-    def _held_commands(
-        self, schedule: Schedule, torques: Torques, rows: Array
-    ) -> Array:
+    def _held_commands(self, schedule: Schedule, leads: Leads, rows: Array) -> Array:
         """Each command in force from the step at which it is given to the next one."""
         given = schedule.start + rows  # step of the command in force in each step
         if self._servo.rate:
@@ -188,16 +192,16 @@ class Drive:
         given, row = np.unique(given, return_inverse=True)
         fresh = given >= schedule.start
         ctrl = np.empty((len(given), self._setup.model.nu))
-        ctrl[fresh] = self._ctrl(schedule, torques, given[fresh] - schedule.start)
+        ctrl[fresh] = self._ctrl(schedule, leads, given[fresh] - schedule.start)
         if self._held is None:
-            self._held = self._ctrl(schedule, torques, np.zeros(1, dtype=int))[0]
+            self._held = self._ctrl(schedule, leads, np.zeros(1, dtype=int))[0]
         ctrl[~fresh] = self._held
         self._held = ctrl[-1].copy()
         return np.ascontiguousarray(ctrl[row])
 
-    def _ctrl(self, schedule: Schedule, torques: Torques, rows: Array) -> Array:
+    def _ctrl(self, schedule: Schedule, leads: Leads, rows: Array) -> Array:
         """Commands that are given at steps of a schedule, shape (n, nu)."""
-        rehearsed, borne = torques
+        rehearsed, practised = leads
         channels, joints, lifts = self._setup.channels, self._joints, self._lifts
         ctrl = channels.ctrl(schedule.targets(self._setup.robot, rows))
         lag = bent = np.zeros((len(rows), len(joints)))
@@ -205,8 +209,8 @@ class Drive:
             lag = self._damping * self._speed(schedule, rows) / self._stiffness
             bent = rehearsed.at(rows)[:, joints] / self._stiffness
         ctrl[:, joints] += bent + lag
-        if borne is not None:
-            ctrl[:, joints] += self._bands.shifts(borne.at(rows)[:, joints])
+        if practised is not None:
+            ctrl[:, joints] += practised.at(rows)
         if resolution := self._servo.resolution:
             counts = np.round(ctrl[:, joints] / resolution)
             if not isinstance(schedule, Played):
@@ -216,6 +220,8 @@ class Drive:
                 counts[:, lifts] = self._lift_counts.at(lift, lag[:, lifts], loads)
             ctrl[:, joints] = counts * resolution
         ctrl[:, joints] += self._offset
+        for twin, joint in self._twins.items():
+            ctrl[:, twin] = ctrl[:, joint]
         return ctrl
 
     def _speed(self, schedule: Schedule, rows: Array) -> Array:

@@ -28,28 +28,28 @@ SPACING = 0.005  # [s]; between knots
 
 @dataclass(frozen=True)
 class FeedForward:
-    """Smooth torques of all actuators along a stretch of a schedule."""
+    """Smooth values along a stretch of a schedule: torques of actuators, or angles."""
 
-    torque: Array  # at knots, the first one at the stretch's first step, (K, nu) [N m]
+    values: Array  # at knots, the first one at the stretch's first step, (K, n)
     spacing: int  # steps between knots
 
     def at(self, rows: Array) -> Array:
-        """Torques at steps of the stretch, shape (n, nu)."""
-        where = np.minimum(rows / self.spacing, len(self.torque) - 1.0)
-        before = np.minimum(where.astype(int), max(len(self.torque) - 2, 0))
-        after = np.minimum(before + 1, len(self.torque) - 1)
+        """Values at steps of the stretch, one row a step."""
+        where = np.minimum(rows / self.spacing, len(self.values) - 1.0)
+        before = np.minimum(where.astype(int), max(len(self.values) - 2, 0))
+        after = np.minimum(before + 1, len(self.values) - 1)
         part = (where - before)[:, None]
-        torque: Array = (1 - part) * self.torque[before] + part * self.torque[after]
-        return torque
+        found: Array = (1 - part) * self.values[before] + part * self.values[after]
+        return found
 
 
-def smoothed(torque: Array, timestep: float) -> FeedForward:
-    """Torques (n, nu) [N m] of every step, averaged over 50 ms, every 5 ms."""
+def smoothed(values: Array, timestep: float) -> FeedForward:
+    """Values of every step, one row a step, averaged over 50 ms, every 5 ms."""
     from scipy.ndimage import uniform_filter1d  # slow to import, and seldom needed
 
     window = 2 * round(SMOOTHED / timestep / 2) + 1  # odd, so that nothing is shifted
     spacing = max(round(SPACING / timestep), 1)
-    smooth = uniform_filter1d(torque, window, axis=0, mode="nearest")
+    smooth = uniform_filter1d(values, window, axis=0, mode="nearest")
     return FeedForward(smooth[::spacing].copy(), spacing)
 
 

@@ -1,8 +1,7 @@
 """Rehearsals: the torques that a walk takes, walked or predicted beforehand.
 
 Either is made on very stiff servos and without the imperfections of the walking robot,
-stretch by stretch. A trial on servos like the robot's own tells which way its dead
-bands are left.
+stretch by stretch.
 """
 
 from __future__ import annotations
@@ -13,8 +12,9 @@ import numpy as np
 
 from planner import Array
 from sim.compliant.prediction import Leg, course_of, phases_of
-from sim.drive.drive import Drive, Torques
+from sim.drive.drive import Drive, Leads
 from sim.drive.feed_forward import FeedForward, smoothed, stiffened
+from sim.drive.practice import Practice
 from sim.motion.schedule import Schedule
 from sim.physics.engine import Engine
 from sim.preparation.setup import Setup
@@ -71,30 +71,8 @@ def rehearsal_of(setup: Setup) -> Rehearsal | Foreseen | None:
     return Foreseen(setup) if predicted else Rehearsal(setup)
 
 
-class Trial:
-    """A second robot on servos like the first one's, without any imperfection.
-
-    It is told what the robot would be told if there were no bands.
-    """
-
-    def __init__(self, setup: Setup) -> None:
-        planned = setup.as_planned
-        scenario = replace(planned.scenario, assumed_dead_band=0.0)
-        planned = replace(planned, scenario=scenario)
-        self._drive, self._engine = Drive(planned), Engine(planned.model)
-        self._timestep = planned.limits.timestep
-
-    def torques(self, schedule: Schedule, rehearsed: FeedForward | None) -> FeedForward:
-        """Walk a schedule and return the torques that it took."""
-        torques = [
-            self._engine.advance(ctrl).actuator_force
-            for ctrl in self._drive.commands(schedule, rehearsed)
-        ]
-        return smoothed(np.concatenate(torques), self._timestep)
-
-
 class Beforehand:
-    """The torques that the commands of a drive depend on, stretch by stretch.
+    """What the commands of a drive depend on, stretch by stretch.
 
     A stretch that needs more torque than a servo has is refused.
     """
@@ -102,15 +80,15 @@ class Beforehand:
     def __init__(self, setup: Setup, drive: Drive) -> None:
         self._drive = drive
         self._rehearsal = rehearsal_of(setup)
-        self._trial = Trial(setup) if drive.allows_for_bands else None
+        self._practice = Practice(setup) if drive.practises else None
 
-    def torques(self, schedule: Schedule) -> Torques:
-        """Those that commands make up for, and those that servos without bands bear."""
+    def leads(self, schedule: Schedule) -> Leads:
+        """Torques that commands make up for, and what was practised."""
         made_up = None
         if self._rehearsal is not None:
             rehearsed = self._rehearsal.torques(schedule)
             self._drive.require_strength(schedule, rehearsed)
             made_up = rehearsed if self._drive.feeds_forward else None
-        if self._trial is None:
+        if self._practice is None:
             return made_up, None
-        return made_up, self._trial.torques(schedule, made_up)
+        return made_up, self._practice.shifts(schedule, made_up)

@@ -96,9 +96,9 @@ class ServedWalk:
         return round(command / (self.rate * self.setup.limits.timestep))
 
     def _rows(self, schedule: Schedule) -> Iterator[Row]:
-        torques, borne = self._beforehand.torques(schedule)
+        torques, practised = self._beforehand.leads(schedule)
         self._legs, self._steps = schedule.end, schedule.stop
-        rows = [*self._drive.commands(schedule, torques, borne=borne)]
+        rows = [*self._drive.commands(schedule, torques, practised=practised)]
         clock = self.rate, self.setup.limits.timestep
         given = taken(np.concatenate(rows), self.joints, self._actuators, *clock)
         for angles in given.angles:

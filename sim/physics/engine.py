@@ -42,7 +42,7 @@ class State(NamedTuple):
 
 
 class Engine:
-    """One simulation that starts at keyframe `start` and only moves forward."""
+    """One simulation that starts at keyframe `start`."""
 
     def __init__(self, model: mujoco.MjModel) -> None:
         silence_the_engine()
@@ -61,6 +61,15 @@ class Engine:
     def state(self) -> State:
         """After the last step."""
         return State(*(np.array(self._batch.bind(name)[0]) for name in State._fields))
+
+    @property
+    def moment(self) -> tuple[Array, int]:
+        """All that the next step depends on, to come back to by `rewind`."""
+        return self._batch.state.copy(), self.steps
+
+    def rewind(self, moment: tuple[Array, int]) -> None:
+        """Go on from an earlier moment of this simulation."""
+        self._batch.state[:], self.steps = moment
 
     def sense(self) -> Array:
         """Sensor readings of the state under the last command, (nsensordata,)."""

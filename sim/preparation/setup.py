@@ -63,14 +63,14 @@ class Setup:
     @cached_property
     def as_planned(self) -> Setup:
         """The same without imperfections, as predictions and rehearsals have it."""
-        return self._as(self.scenario.as_planned)
+        return self.with_imperfections(self.scenario.as_planned)
 
     @cached_property
     def as_told(self) -> Setup:
         """The same with what the compliant prediction knows of the imperfections."""
-        return self._as(self.scenario.as_told)
+        return self.with_imperfections(self.scenario.as_told)
 
-    def _as(self, scenario: Scenario) -> Setup:
+    def with_imperfections(self, scenario: Scenario) -> Setup:
         """The same robot in the world of a scenario with other imperfections."""
         own = self.scenario
         if all(getattr(own, n) == getattr(scenario, n) for n in IMPERFECTIONS):

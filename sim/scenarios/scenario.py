@@ -85,6 +85,16 @@ class Scenario(Settings):
         return replace(self, **none)
 
     @property
+    def as_assumed(self) -> Self:
+        """The robot that commands allow for: its dead bands and backlash as assumed."""
+        band, slack = self.assumed_dead_band, self.assumed_backlash
+        return replace(
+            self.as_planned,
+            dead_band=self.dead_band if band is None else band,
+            backlash=slack,
+        )
+
+    @property
     def told(self) -> tuple[str, ...]:
         """The imperfections that it has and that the compliant prediction knows."""
         return told(self)

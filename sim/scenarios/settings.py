@@ -17,7 +17,8 @@ from sim.scenarios.declaration import LEAST, Range, Setting, Text, accept, setti
 
 imperfection = partial(setting, imperfection=True)
 Mass = Annotated[float, Range(0, 1e3)]
-Width = Annotated[float, Range(0, 0.2)]  # of a dead band
+Width = Annotated[float, Range(0, 0.2)]  # of slack
+Zero = Annotated[float, Range(-0.2, 0.2)]
 Coordinate = Annotated[float, Range(-10, 10)]
 Slope = Annotated[float, Range(0, 1)]
 Direction = Annotated[float, Range(-7, 7)]
@@ -60,8 +61,7 @@ class Settings:
     )
     gait: tuple[str, ...] | None = setting(
         "order in which strata are visited, eq. (11); any order if not given",
-        None,
-        "plan",
+        *(None, "plan"),
     )
     motion: str | None = setting(
         "log of joint angles to play in place of a plan", None, ("plan", "world")
@@ -182,8 +182,7 @@ class Settings:
     )
     feed_forward: bool | Literal["predicted"] | None = setting(
         "add to commands what loads will deflect; if not given, on soft servos only",
-        None,
-        "drive",
+        *(None, "drive"),
     )
     command_delay: Annotated[float, Range(0, 0.5)] = imperfection(
         "delay from a command to the servo's motion", 0.0, "drive", "s"
@@ -197,14 +196,16 @@ class Settings:
     assumed_dead_band: Width | tuple[Width, ...] | None = setting(
         "dead band to allow for; dead_band if not given", None, "drive", "rad"
     )
-    zero_offset: (
-        Annotated[float, Range(0, 0.2)] | tuple[Annotated[float, Range(-0.2, 0.2)], ...]
-    ) = imperfection(
+    dead_band_law: Literal["offset", "step"] = setting(
+        "torque beyond it: by the rest of the error, or by all of it", "offset", "world"
+    )
+    zero_offset: Width | tuple[Zero, ...] = imperfection(
         "largest error of servos' zeros, drawn, or that of each", 0.0, "drive", "rad"
     )
-    backlash: Annotated[float, Range(0, 0.2)] = imperfection(
+    backlash: Width = imperfection(
         "backlash in the gears of every leg joint", 0.0, "world", "rad", formerly="play"
     )
+    assumed_backlash: Width = setting("backlash to allow for", 0.0, "drive", "rad")
     payload: tuple[Mass, Coordinate, Coordinate, Coordinate] | None = imperfection(
         "mass on the body, and its place x, y, z", None, "world", "kg, m"
     )
@@ -264,8 +265,7 @@ class Settings:
     )
     playback: Annotated[float, Range(LEAST, 1000)] | None = setting(
         "speed of the film, in times real time; if not given, it fits the walk",
-        None,
-        "film",
+        *(None, "film"),
     )
     seed: Annotated[int, Range(0, 2**32 - 1)] = setting(
         "seed of the search for a way around obstacles", 0, "plan"

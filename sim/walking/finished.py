@@ -25,7 +25,7 @@ class Stretch(Leg):
     """A part of the walk, which begins at a pose in the start frame."""
 
     torques: FeedForward | None = None  # that the commands make up for
-    borne: FeedForward | None = None  # of a trial, where bands are allowed for
+    practised: FeedForward | None = None  # that the commands add, where there is slack
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ def laid_commands(
     for stretch in stretches:
         schedule = stretch.schedule
         done = min(schedule.stop, steps) - schedule.start
-        yield from drive.commands(schedule, stretch.torques, done, stretch.borne)
+        yield from drive.commands(schedule, stretch.torques, done, stretch.practised)
 
 
 def laid_out(setup: Setup, planned: Plan) -> list[Stretch]:

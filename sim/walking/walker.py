@@ -134,11 +134,11 @@ class Walker:
             return
         check_effort(self.setup, schedule.stop)
         began, length = time.perf_counter(), schedule.stop - schedule.start
-        torques, borne = self._beforehand.torques(schedule)
+        torques, practised = self._beforehand.leads(schedule)
         self._drive.require_reach(schedule, torques)
-        self._stretches.append(Stretch(schedule, self.pose, torques, borne))
+        self._stretches.append(Stretch(schedule, self.pose, torques, practised))
         self._shape = schedule.end
-        pieces = self._commands(schedule, torques, borne)
+        pieces = self._commands(schedule, torques, practised)
         for steps in self._recorder.play(pieces, inspections(schedule)):
             done = (steps - schedule.start) / length
             self._progress("walking", share[0] + (share[1] - share[0]) * done)
@@ -148,10 +148,10 @@ class Walker:
         self,
         schedule: Schedule,
         torques: FeedForward | None,
-        borne: FeedForward | None,
+        practised: FeedForward | None,
     ) -> Iterable[Array]:
         """Commands of a stretch, which walks with the same schedule have in common."""
-        pieces = self._drive.commands(schedule, torques, borne=borne)
+        pieces = self._drive.commands(schedule, torques, practised=practised)
         if self._cache is no_cache or not self._drive.plain:
             return pieces
         return self._cache(f"commands from step {schedule.start}", lambda: list(pieces))

@@ -65,3 +65,14 @@ def test_levers_are_derivatives(posed):
         moved = skeleton.places(robot, turned, nudged[None])
         rate = (moved.arm - places.arm)[0, foot].ravel() / step
         assert np.allclose(rate, places.lever[0, foot, :, joint], atol=1e-6)
+
+
+@pytest.mark.parametrize("law", ["offset", "step"])
+def test_a_dead_band_is_a_range_that_the_motor_brakes(law):
+    given = {"robot": "hexapod-classroom", "dead_band": 0.0087, "dead_band_law": law}
+    setup = prepare(load_scenario("line", given))
+    phases, model = phases_of(setup), setup.as_planned.model
+    robots = phases.robots
+    braking = -model.actuator_biasprm[phases.mechanics.anatomy.actuator, 2]
+    assert np.allclose(robots.slack, 0.0087, atol=1e-12)
+    assert np.allclose(robots.rub[0], braking, rtol=1e-5)

@@ -124,7 +124,7 @@ def test_a_rehearsal_with_soft_servos_measures_the_torques_of_stiff_ones(scenari
     scheduler.enter("1")
     scheduler.hold(0.5)
     schedule = scheduler.finish()
-    rehearsed = Rehearsal(soft).torques(schedule).torque[-1]
+    rehearsed = Rehearsal(soft).torques(schedule).values[-1]
     engine = Engine(stiff.model)
     for ctrl in stiff.commands(schedule):
         borne = engine.advance(ctrl).actuator_force[-1]
@@ -194,7 +194,7 @@ def test_nobody_knows_the_imperfections_when_torques_are_rehearsed(scenario):
     heavy = {"payload": [0.3, 0.03, 0.0, 0.02], "backlash": 0.01, "slope": [0.05, 0.0]}
     plain, laden = (prepare(scenario(**SOFT | given)) for given in ({}, heavy))
     schedule = swung(plain)
-    torques = [Rehearsal(setup).torques(schedule).torque for setup in (plain, laden)]
+    torques = [Rehearsal(setup).torques(schedule).values for setup in (plain, laden)]
     assert (torques[0] == torques[1]).all()
 
 

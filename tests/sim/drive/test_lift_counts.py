@@ -100,7 +100,7 @@ def test_statics_on_three_feet_are_those_of_the_physics(name):
     scheduler = Scheduler(setup.limits, setup.at_rest)
     scheduler.enter("1")
     scheduler.hold(1.0)
-    borne = Rehearsal(setup).torques(scheduler.finish()).torque[-1]
+    borne = Rehearsal(setup).torques(scheduler.finish()).values[-1]
     joints = [setup.model.actuator(j).id for j in setup.robot.lift_joints]
     found = lift_torques(setup, setup.robot.planted("1"))
     # what joints bend under the load, a thousandth of a radian; measured 0.2 %

@@ -8,7 +8,7 @@ from sim.drive.drive import Drive
 from sim.drive.feed_forward import leg_actuators
 from sim.errors import UsageError
 from sim.preparation.setup import prepare
-from sim.world.dead_bands import BAND, dead_bands
+from sim.world.dead_bands import BAND
 from sim.world.imperfections import BACKLASH
 from tests.walks import simulated
 
@@ -220,38 +220,6 @@ def test_standing_legs_give_way_by_half_the_slack_and_what_loads_bend(
         # the stop gives way by the torque, 0.3 N m, over some 5,000 N m/rad
         assert given == pytest.approx(width / 2 + bent, abs=1e-4)
         assert bent > 1e-3
-
-
-def test_a_motor_brakes_its_joint_within_its_dead_band(standing):
-    def speed_left(**given):
-        """Of a leg that turns in the air within its slack, after 20 ms, as a share."""
-        model = standing(robot="hexapod-classroom", **given).model
-        model.opt.gravity[:] = 0
-        data = mujoco.MjData(model)
-        mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
-        data.qpos[2] += 1.0
-        loose = BAND if "dead_band" in given else BACKLASH
-        data.joint(f"{loose}swing_1").qvel = 0.1
-        mujoco.mj_step(model, data, nstep=20)
-        names = ("swing_1", f"{loose}swing_1")
-        return sum(float(data.joint(name).qvel[0]) for name in names) / 0.1
-
-    # critical damping of 0.1 N m s/rad on 0.00025 kg m^2 stops it in 2.6 ms
-    assert abs(speed_left(dead_band=0.05)) < 0.02
-    assert speed_left(backlash=0.05) > 0.2
-
-
-def test_dead_bands_are_drawn_servo_by_servo_within_their_spread(scenario):
-    drawn = dead_bands(scenario(dead_band=0.01, dead_band_spread=0.2, draw=3), 12)
-    assert 0.008 <= drawn.min() < 0.0095 < 0.0105 < drawn.max() <= 0.012
-    again = dead_bands(scenario(dead_band=0.01, dead_band_spread=0.2, draw=3), 12)
-    assert (drawn == again).all()
-    assert (dead_bands(scenario(dead_band=0.01, draw=3), 12) == 0.01).all()
-
-
-def test_a_dead_band_for_each_joint_is_asked_for(standing):
-    with pytest.raises(UsageError, match="dead_band has 2 values for 12 joints"):
-        standing(dead_band=[0.01, 0.02])
 
 
 def test_zeros_of_servos_are_given_joint_by_joint(standing):

@@ -1,0 +1,110 @@
+"""Practice: what commands add so that slack in servos and gears does not show.
+
+A tripod on its feet has one free motion, about its pivot, which its swing servos alone
+hold. At lift-off and touchdown loads push it across dead bands and backlash, and the
+yaw of that adds up. A robot with the slack that is assumed walks every stretch several
+times beforehand, and each command is shifted by a part of what its joint missed. This
+needs no law of the slack.
+"""
+
+from __future__ import annotations
+
+from copy import copy
+from dataclasses import replace
+
+import numpy as np
+
+from planner import Array
+from sim.drive.drive import Drive
+from sim.drive.feed_forward import FeedForward, smoothed
+from sim.motion.poses import wrap
+from sim.motion.schedule import Schedule
+from sim.physics.engine import Engine
+from sim.preparation.setup import Setup
+from sim.world.dead_bands import BAND
+from sim.world.imperfections import BACKLASH
+
+TURNS, SETTLED = 6, 3  # of practice; the last ones, which are much alike
+PART = 0.7  # of what was missed, that is added after a turn
+
+
+class Practised:
+    """A robot that walks stretches to find the angles of its legs, slack included."""
+
+    def __init__(self, setup: Setup) -> None:
+        self.setup, model = setup, setup.model
+        self.drive, self.engine = Drive(setup), Engine(model)
+        joints = [model.joint(number) for number in range(model.njnt)]
+        place = {joint.name: int(joint.qposadr[0]) for joint in joints}
+        self._places = [
+            [
+                place[part + joint]
+                for part in ("", BAND, BACKLASH)
+                if part + joint in place
+            ]
+            for joint in setup.robot.card.joints
+        ]
+
+    def walk(
+        self,
+        schedule: Schedule,
+        made_up: FeedForward | None,
+        shifts: FeedForward | None,
+    ) -> tuple[FeedForward, Array]:
+        """Angles of all leg joints along a schedule, and the pose after it."""
+        rows = [
+            np.stack([qpos[:, p].sum(axis=1) for p in self._places], axis=1)
+            for ctrl in self.drive.commands(schedule, made_up, practised=shifts)
+            for qpos in [self.engine.advance(ctrl).qpos]
+        ]
+        pose = self.setup.pose(self.engine.state.qpos)
+        return smoothed(np.concatenate(rows), self.setup.limits.timestep), pose
+
+
+class Practice:
+    """A robot with slack that practises to walk like one without."""
+
+    def __init__(self, setup: Setup) -> None:
+        assumed, joints = setup.scenario.as_assumed, len(setup.robot.card.joints)
+        self._tight = Practised(setup.as_planned)
+        self._loose = Practised(setup.with_imperfections(assumed))
+        self._width = np.broadcast_to(assumed.dead_band, joints) + assumed.backlash
+        self._shift = _half_counts(setup, self._width)
+
+    def shifts(self, schedule: Schedule, made_up: FeedForward | None) -> FeedForward:
+        """What to add to the commands of a schedule, (J,) [rad], at most the slack.
+
+        Of the last turns it is that which ends nearest to the robot without slack.
+        """
+        wanted, goal = self._tight.walk(schedule, made_up, None)
+        loose, reach = self._loose, self._loose.setup.kinematics.reach
+        began, drive = loose.engine.moment, loose.drive
+        shift, tried = np.zeros_like(wanted.values), []
+        for _ in range(TURNS):
+            loose.engine.rewind(began)
+            loose.drive = copy(drive)
+            shifts = replace(wanted, values=shift)
+            reached, pose = loose.walk(schedule, made_up, shifts)
+            off = pose - goal
+            miss = float(np.hypot(*off[:2]) + reach * abs(wrap(off[2])))
+            tried.append((miss, shifts, loose.engine.moment, loose.drive))
+            missed = wanted.values + self._shift - reached.values
+            shift = np.clip(shift + PART * missed, -self._width, self._width)
+        _, best, moment, loose.drive = min(tried[-SETTLED:], key=lambda turn: turn[0])
+        loose.engine.rewind(moment)
+        return best
+
+
+def _half_counts(setup: Setup, width: Array) -> Array:
+    """Half a count for each swing joint whose slack is nearer to an odd number, (J,).
+
+    A joint rests at half its slack from its command; strokes end on whole counts.
+    """
+    robot, resolution = setup.robot, setup.servo.resolution
+    shift = np.zeros(len(width))
+    if resolution:
+        joints = robot.card.joints
+        swings = [joints.index(joint) for joint in robot.swing_joints]
+        odd = np.round(width[swings] / resolution) % 2
+        shift[swings] = odd * resolution / 2 * np.sign(robot.swing_gain)
+    return shift
