@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import count
+from math import inf
 from operator import methodcaller
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, TypeVar
@@ -212,14 +213,11 @@ def elsewhere(out: str | None) -> list[str]:
     return ["--out", str(next(free))]
 
 
-def whole(least: int, most: int | None = None) -> Callable[[str], int]:
+def whole(least: int, most: float = inf) -> Callable[[str], int]:
     """A reader of whole numbers between two, or from one on, for an option's `type`."""
-    end = f"{least} or more" if most is None else f"{least} to {most}"
-
-    def fits(value: int) -> bool:
-        return least <= value <= (value if most is None else most)
-
-    return _reader(int, fits, f"cannot be; give a whole number, {end}")
+    wanted = f"{least} or more" if most == inf else f"{least} to {most}"
+    refusal = f"cannot be; give a whole number, {wanted}"
+    return _reader(int, lambda value: least <= value <= most, refusal)
 
 
 def real(what: str, example: float, zero: bool = True) -> Callable[[str], float]:

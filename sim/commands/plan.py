@@ -24,9 +24,10 @@ from sim.commands.options import (
 from sim.commands.plan_report import (
     Accuracy,
     Prospect,
+    Report,
     Steps,
-    SystemFacts,
-    WalkFacts,
+    of_system,
+    of_walk,
 )
 from sim.errors import UsageError
 from sim.progress import Progress, at_most, bar, stage
@@ -37,7 +38,7 @@ if TYPE_CHECKING:
     from sim.problems.problem import Problem
     from sim.scenarios.scenario import Scenario
 
-Outcome = tuple["Plan", dict[str, object], list[str]]  # facts for JSON, and lines
+Outcome = tuple["Plan", Report]
 FOR_ROBOTS = dict.fromkeys(("robot", "fields", "steer"), "leave it out")
 FOR_SYSTEMS = {
     "start": "leave it out, scenarios start at the origin",
@@ -89,15 +90,15 @@ def plan(options: argparse.Namespace) -> None:
         scenario = scenario_of(options)
         robot = robot_of(options, scenario.robot)
         with bar(quiet=options.json) as progress:
-            planned, facts, lines = _walk(scenario, robot, progress)
+            planned, told = _walk(scenario, robot, progress)
     elif source.endswith(".json"):
         with refused(source):
             planned = load_plan(source)
-        played = SystemFacts.of(Path(source).stem, planned)
-        facts, lines = played.table(None), list(played.lines(None))
+        told = of_system(Path(source).stem, planned)
     else:
         with bar(quiet=options.json) as progress, refused(source):
-            planned, facts, lines = _system(options, progress)
+            planned, told = _system(options, progress)
+    facts, lines = told
     if options.save:
         with refused(options.save):
             save_plan(planned, options.save)
@@ -146,8 +147,7 @@ def _walk(scenario: Scenario, robot: Robot, progress: Progress) -> Outcome:
     compiled = time.perf_counter()
     with at_most(progress, "planning", scenario.plan_time):
         problem = ScenarioProblem.ready(setup, progress)
-    facts = partial(WalkFacts.of, problem)
-    return _outcome(problem, facts, began, compiled, progress)
+    return _outcome(problem, partial(of_walk, problem), began, compiled, progress)
 
 
 def _system(options: argparse.Namespace, progress: Progress) -> Outcome:
@@ -190,13 +190,13 @@ def _system(options: argparse.Namespace, progress: Progress) -> Outcome:
                 chained=chained,
                 free=options.free or (),
             )
-    facts = partial(SystemFacts.of, Path(options.scenario).stem)
-    return _outcome(problem, facts, began, time.perf_counter(), progress)
+    played = partial(of_system, Path(options.scenario).stem)
+    return _outcome(problem, played, began, time.perf_counter(), progress)
 
 
 def _outcome(
     problem: Problem,
-    judged: Callable[[Plan], WalkFacts | SystemFacts],
+    played: Callable[[Plan, Prospect], Report],
     began: float,
     compiled: float,
     progress: Progress,
@@ -222,5 +222,4 @@ def _outcome(
     with stage(progress, "trying what would help"):
         helps = problem.helps(solution.plan)
     prospect = Prospect(helps, solution.fallback, timing, accuracy, steps)
-    facts = judged(solution.plan)
-    return solution.plan, facts.table(prospect), list(facts.lines(prospect))
+    return solution.plan, played(solution.plan, prospect)

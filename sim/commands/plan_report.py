@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from sim.problems.problem import Problem
     from sim.problems.scenario import ScenarioProblem
 
+Report = tuple[dict[str, object], list[str]]
 GAIT = (
     "A stratum is the set of configurations in which the same groups of",
     "legs stand on the ground; it is named after these groups. A gait is",
@@ -135,165 +136,108 @@ class Prospect:
         return {name: f"{name:10}{text}" for name, text in texts.items() if text}
 
 
-@dataclass(frozen=True)
-class WalkFacts:
-    """Results of a robot's plan, under the names of summary.json."""
+def of_walk(problem: ScenarioProblem, planned: Plan, prospect: Prospect) -> Report:
+    """A scenario's plan, played: facts as in summary.json, with words explained."""
+    from planner import play
+    from sim.motion.poses import wrap
+    from sim.optimisation.judging import Judge
+    from sim.scenarios.predictions import IDEAL
 
-    scenario: str
-    robot: str
-    fields: str
-    stance: str
-    segments: int
-    replan: bool
-    goal: tuple[float, float, float]
-    path_length: float
-    pose: tuple[float, float, float]
-    error: Mapping[str, float]
-    contact_switches: int
-    largest_swing: float
-    swing_travel: float
-    air_travel: float
-    distance_walked: float
-    time: float  # [s], without holds
-    least_time: float | None
-    gait: tuple[str, ...]
-    ignores: str  # settings that no plan on the exact kinematics knows of
-
-    @classmethod
-    def of(cls, problem: ScenarioProblem, planned: Plan) -> WalkFacts:
-        """Play the plan of a scenario."""
-        from planner import play
-        from sim.motion.poses import wrap
-        from sim.optimisation.judging import Judge
-        from sim.scenarios.predictions import IDEAL
-
-        setup, scenario = problem.setup, problem.setup.scenario
-        robot, equations = setup.robot, setup.equations
-        states = play(planned.system, planned.flows, planned.start)
-        (x, y, yaw), goal = states[-1, :3].tolist(), scenario.path.goal
-        travel = {True: 0.0, False: 0.0}  # of loaded and of lifted groups
-        for flow in planned.flows:
-            swings = equations.swings[flow.field]
-            for group, share in zip(robot.groups, swings, strict=True):
-                travel[group in flow.stratum] += abs(share * flow.duration)
-        walked = (equations.stride(f.field) * abs(f.duration) for f in planned.flows)
-        return cls(
-            scenario=scenario.name,
-            robot=robot.name,
-            fields=scenario.fields,
-            stance=setup.stance,
-            segments=scenario.segments,
-            replan=scenario.replan,
-            goal=goal,
-            path_length=scenario.path.length,
-            pose=(x, y, float(wrap(yaw))),
-            error={
-                "position": math.dist((x, y), goal[:2]),
-                "yaw": abs(float(wrap(yaw - goal[2]))),
-            },
-            contact_switches=planned.contact_switches,
-            largest_swing=float(abs(states[:, 3 : 3 + len(robot.groups)]).max()),
-            swing_travel=travel[True],
-            air_travel=travel[False],
-            distance_walked=sum(walked, 0.0),
-            time=Judge(setup).duration(planned.flows),
-            least_time=problem.least_time,
-            gait=tuple(scenario.gait or robot.card.gait),
-            ignores=IDEAL.ignored(scenario),
-        )
-
-    def table(self, prospect: Prospect) -> dict[str, object]:
-        """The facts for JSON."""
-        return {k: v for k, v in vars(self).items() if k != "gait"} | asdict(prospect)
-
-    def lines(self, prospect: Prospect) -> Iterator[str]:
-        """The facts, with the paper's words explained."""
-        x, y, yaw = self.pose
-        remarks = prospect.remarks()
-        yield (
-            f"{self.scenario}: {self.robot}, {self.segments} segments, "
-            f"{self.contact_switches} lift-offs and touchdowns"
-        )
-        yield from filter(None, [remarks.get("fell back")])
-        yield f"{'gait':10}{' '.join(self.gait)}"
-        yield from (f"{'':10}{line}" for line in GAIT)
-        yield f"{'strokes':10}{self.swing_travel:.3f} rad in all; {STROKE}"
-        yield (
-            f"{'walks':10}{self.distance_walked:.3f} m for a path of "
-            f"{self.path_length:.3f} m, legs swing to {self.largest_swing:.3f} rad"
-        )
-        if self.least_time is not None:
-            least = (
-                f"no plan that keeps as near takes less than {self.least_time:.2f} s"
-            )
-            yield f"{'walks for':10}{self.time:.2f} s; {least}"
-        yield f"{'ends at':10}x {x:z.4f} m, y {y:z.4f} m, yaw {yaw:z.4f} rad"
-        off, turned = self.error["position"], self.error["yaw"]
-        yield f"{'off goal':10}{1e3 * off:.2f} mm, {turned:.4f} rad"
-        ignored = self.ignores and f"{'ignored':10}{self.ignores}"
-        yield from filter(None, [ignored, remarks.get("helps")])
-        yield from prospect.lines(self.segments, "load and compile")
+    setup, scenario = problem.setup, problem.setup.scenario
+    robot, equations, count = setup.robot, setup.equations, scenario.segments
+    states = play(planned.system, planned.flows, planned.start)
+    (x, y, heading), goal = states[-1, :3].tolist(), scenario.path.goal
+    yaw, turned = (float(wrap(angle)) for angle in (heading, heading - goal[2]))
+    off = math.dist((x, y), goal[:2])
+    travel = {True: 0.0, False: 0.0}  # of loaded and of lifted groups
+    for flow in planned.flows:
+        swings = equations.swings[flow.field]
+        for group, share in zip(robot.groups, swings, strict=True):
+            travel[group in flow.stratum] += abs(share * flow.duration)
+    walked = (equations.stride(f.field) * abs(f.duration) for f in planned.flows)
+    far, length = sum(walked, 0.0), scenario.path.length
+    largest = float(abs(states[:, 3 : 3 + len(robot.groups)]).max())
+    time, least = Judge(setup).duration(planned.flows), problem.least_time
+    ignored, remarks = IDEAL.ignored(scenario), prospect.remarks()
+    facts = {
+        "scenario": scenario.name,
+        "robot": robot.name,
+        "fields": scenario.fields,
+        "stance": setup.stance,
+        "segments": count,
+        "replan": scenario.replan,
+        "goal": goal,
+        "path_length": length,
+        "pose": (x, y, yaw),
+        "error": {"position": off, "yaw": abs(turned)},
+        "contact_switches": planned.contact_switches,
+        "largest_swing": largest,
+        "swing_travel": travel[True],
+        "air_travel": travel[False],
+        "distance_walked": far,
+        "time": time,  # [s], without holds
+        "least_time": least,
+        "ignores": ignored,  # settings that no plan on the exact kinematics knows of
+    }
+    switches = f"{planned.contact_switches} lift-offs and touchdowns"
+    lines = [f"{scenario.name}: {robot.name}, {count} segments, {switches}"]
+    lines += filter(None, [remarks.get("fell back")])
+    lines.append(f"{'gait':10}{' '.join(scenario.gait or robot.card.gait)}")
+    lines += (f"{'':10}{line}" for line in GAIT)
+    lines.append(f"{'strokes':10}{travel[True]:.3f} rad in all; {STROKE}")
+    legs = f"legs swing to {largest:.3f} rad"
+    lines.append(f"{'walks':10}{far:.3f} m for a path of {length:.3f} m, {legs}")
+    if least is not None:
+        bound = f"no plan that keeps as near takes less than {least:.2f} s"
+        lines.append(f"{'walks for':10}{time:.2f} s; {bound}")
+    lines.append(f"{'ends at':10}x {x:z.4f} m, y {y:z.4f} m, yaw {yaw:z.4f} rad")
+    lines.append(f"{'off goal':10}{1e3 * off:.2f} mm, {abs(turned):.4f} rad")
+    lines += [f"{'ignored':10}{ignored}"] if ignored else []
+    lines += filter(None, [remarks.get("helps")])
+    lines += prospect.lines(count, "load and compile")
+    return facts | asdict(prospect), lines
 
 
-@dataclass(frozen=True)
-class SystemFacts:
-    """Results of a system's plan; coordinates by name."""
+def of_system(name: str, planned: Plan, prospect: Prospect | None = None) -> Report:
+    """A system's plan, played; coordinates by name."""
+    from planner import rollout
 
-    system: str
-    segments: int
-    elements: tuple[str, ...]
-    start: Mapping[str, float]
-    goal: Mapping[str, float]
-    end: Mapping[str, float]
-    distance: float
-    error: float
-    flow_count: int
-    flow_time: float
-    contact_switches: int
+    system, reached = planned.system, rollout(planned)[-1]
+    count, switches = len(planned.segment_ends), planned.contact_switches
+    way = float(system.length(planned.goal - planned.start))
+    error = float(system.length(planned.goal - reached))
+    time = sum(abs(flow.duration) for flow in planned.flows)
 
-    @classmethod
-    def of(cls, name: str, planned: Plan) -> SystemFacts:
-        """Play the plan of a system."""
-        from planner import rollout
+    def named(state: Array) -> dict[str, float]:
+        return dict(zip(map(str, system.state), state.tolist(), strict=True))
 
-        end, names = rollout(planned)[-1], list(map(str, planned.system.state))
-
-        def named(state: Array) -> dict[str, float]:
-            return dict(zip(names, state.tolist(), strict=True))
-
-        return cls(
-            system=name,
-            segments=len(planned.segment_ends),
-            elements=planned.elements,
-            start=named(planned.start),
-            goal=named(planned.goal),
-            end=named(end),
-            distance=float(planned.system.length(planned.goal - planned.start)),
-            error=float(planned.system.length(planned.goal - end)),
-            flow_count=len(planned.flows),
-            flow_time=sum(abs(flow.duration) for flow in planned.flows),
-            contact_switches=planned.contact_switches,
-        )
-
-    def table(self, prospect: Prospect | None) -> dict[str, object]:
-        """The facts for JSON; systems are seldom optimised."""
-        table = vars(self) | (asdict(prospect) if prospect else {})
-        if not table.get("fallback"):
-            table.pop("fallback", None)
-        return table
-
-    def lines(self, prospect: Prospect | None) -> Iterator[str]:
-        """The facts, with every coordinate at the end."""
-        ends = ", ".join(f"{name} {value:z.4f}" for name, value in self.end.items())
-        share = self.error / self.distance if self.distance else 0.0
-        yield (
-            f"{self.system}: {self.segments} segments, {self.flow_count} flows for a "
-            f"time of {self.flow_time:.4g} in all, {self.contact_switches} contact "
-            "switches"
-        )
-        yield f"{'steers by':10}{', '.join(self.elements)}"
-        yield f"{'ends at':10}{ends}"
-        yield f"{'off goal':10}{self.error:.3g}, {100 * share:.3g} % of the way"
-        if prospect:
-            yield from prospect.remarks().values()
-            yield from prospect.lines(self.segments, "compile")
+    facts: dict[str, object] = {
+        "system": name,
+        "segments": count,
+        "elements": planned.elements,
+        "start": named(planned.start),
+        "goal": named(planned.goal),
+        "end": named(reached),
+        "distance": way,
+        "error": error,
+        "flow_count": len(planned.flows),
+        "flow_time": time,
+        "contact_switches": switches,
+    }
+    ends = ", ".join(f"{name} {value:z.4f}" for name, value in named(reached).items())
+    share = 100 * error / way if way else 0.0
+    lines = [
+        f"{name}: {count} segments, {len(planned.flows)} flows for a time of "
+        f"{time:.4g} in all, {switches} contact switches",
+        f"{'steers by':10}{', '.join(planned.elements)}",
+        f"{'ends at':10}{ends}",
+        f"{'off goal':10}{error:.3g}, {share:.3g} % of the way",
+    ]
+    if prospect is None:
+        return facts, lines
+    more = {k: v for k, v in asdict(prospect).items() if k != "fallback" or v}
+    return facts | more, [
+        *lines,
+        *prospect.remarks().values(),
+        *prospect.lines(count, "compile"),
+    ]
