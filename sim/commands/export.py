@@ -10,7 +10,6 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sim.commands.judging import TOLERANCE, judged
 from sim.commands.options import (
     NAMED,
     command,
@@ -23,6 +22,7 @@ from sim.commands.options import (
     scenario_of,
     scenario_options,
 )
+from sim.commands.walks import TOLERANCE, judged
 from sim.endings import again, keeping
 from sim.errors import ExitCode, UsageError
 from sim.progress import Progress, bar

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal, TypeVar
 
 from sim.endings import again
-from sim.errors import ExitCode, UsageError, printable
+from sim.errors import ExitCode, SimulationError, UsageError, one_line, printable
 from sim.progress import bar, stage
 from sim.scenarios.settings import SETTINGS
 
@@ -280,3 +280,9 @@ def notice(text: str, kind: str = "notice") -> None:
     """Print what a user should know on standard error."""
     line = printable(" ".join(text.split()))
     print(f"stratawalk: {kind}: {line}", file=sys.stderr)
+
+
+def ended(code: ExitCode, how: str, where: str, remedy: str) -> ExitCode:
+    """Print why a walk does not end the command with 0, and return its code."""
+    notice(one_line(SimulationError(how, where, remedy)), "error")
+    return code

@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import asdict, replace
+import math
+from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sim.commands.judging import TOLERANCE, judged, judged_tries
 from sim.commands.options import (
     LOOK,
     OF_RUN,
     command,
-    elsewhere,
+    ended,
     folder_of,
     kept_in,
     notice,
     option,
+    real,
     report,
     robot_of,
     robot_options,
@@ -28,21 +30,37 @@ from sim.commands.options import (
     settings_of,
     whole,
 )
-from sim.endings import again, keeping
+from sim.endings import keeping
 from sim.errors import ExitCode, RenderError, UsageError, one_line
 from sim.progress import bar
 
 if TYPE_CHECKING:
     from models import Robot
+    from sim.evaluation.summary import Summary, Weighed
     from sim.folder import RunFolder
     from sim.logs.log import Log, Reader
     from sim.scenarios.scenario import Scenario
 
+DEFAULT = 0.25  # of the path, the tolerance
 UNITS = ("radians", "degrees", "counts", "microseconds")
 VIDEO = option(
     "--video",
     action=argparse.BooleanOptionalAction,
     help="film the walk; by default if this machine can draw",
+)
+
+
+def _share(text: str) -> float:
+    return math.inf if text == "none" else real("a share", 0.05)(text)
+
+
+TOLERANCE = option(
+    "--tolerance",
+    type=_share,
+    default=DEFAULT,
+    metavar="RATIO|none",
+    help="end with 7 where a walk ends farther from its goal, or comes farther off its "
+    f"prediction, than this share of the path; otherwise {DEFAULT}",
 )
 
 
@@ -82,7 +100,9 @@ def run(options: argparse.Namespace) -> ExitCode:
     if words := who_ignores(ignored):
         notice(f"predictions ignore {words}")
     if options.tries is not None:
-        return _walk_tries(scenario, robot, folder, options)
+        from sim.commands.tries import tries_of
+
+        return tries_of(scenario, robot, folder, options)
     if robot.opened.files:
         for change in changes(robot, as_drawn):
             notice(f"{change}: {robot.path}")
@@ -126,28 +146,6 @@ def _walk(
             lines.append(f"{what:13}{folder.path / name}")
     report(options, summary.to_json(), *lines)
     return judged(summary, options.tolerance, f"see {folder.path}")
-
-
-def _walk_tries(
-    scenario: Scenario, robot: Robot, folder: RunFolder, options: argparse.Namespace
-) -> ExitCode:
-    """Walk draws one after another; the worst and the median are printed."""
-    from sim.tries import TABLE, describe, walk_tries
-
-    draws = range(scenario.draw, scenario.draw + options.tries)
-
-    def kept() -> str:
-        table = folder.path / TABLE
-        done = table.read_text().count("\n") - 1 if table.is_file() else 0
-        rest = "--draw", f"{draws[done]}", "--tries", f"{len(draws) - done}"
-        on = again(*rest, *elsewhere(options.out))
-        return f"{done} of {len(draws)} draws are kept in {table}, go on: {on}"
-
-    with bar(quiet=options.json) as progress, keeping(kept):
-        tries = walk_tries(scenario, robot, folder, draws, progress)
-    lines = [*describe(tries, scenario.path.length), "", f"{'folder':13}{folder.path}"]
-    report(options, [asdict(one) for one in tries], *lines)
-    return judged_tries(tries, options.tolerance, f"see {folder.path}")
 
 
 def _can_film(wanted: bool | None) -> bool:
@@ -233,3 +231,23 @@ def _by_servo_table(robot: Robot, scenario: Scenario, pulses: bool) -> Reader:
     servos = (table.in_microseconds() if pulses else table).channels
     of = {servo.joint: servo for servo in servos}
     return lambda joint, numbers: of[joint].angle(numbers)
+
+
+def judged(
+    summary: Summary,
+    tolerance: float,
+    remedy: str,
+    played: Mapping[str, Weighed] | None = None,
+) -> ExitCode:
+    """The exit code of a walk, and of what was played of it, by names in words."""
+    from sim.evaluation.verdict import FAILURES
+
+    where = f"{summary.scenario} on {summary.robot}"
+    if summary.verdict in FAILURES:
+        how = f"the walk {summary.verdict_text}"
+        return ended(ExitCode.SIMULATION, how, where, remedy)
+    for name, weighed in {"the walk": summary.weighed, **(played or {})}.items():
+        if weighed and (off := weighed.beyond(tolerance)):
+            how = f"{name} came out {off}, beyond --tolerance {tolerance:g}"
+            return ended(ExitCode.TOLERANCE, how, where, remedy)
+    return ExitCode.OK

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import argparse
 import csv
 import io
 from collections.abc import Iterator, Sequence
-from dataclasses import astuple, dataclass, fields, replace
+from dataclasses import asdict, astuple, dataclass, fields, replace
 from statistics import median
 
 from models import Robot
 from planner import PlannerError
-from sim.errors import StratawalkError, one_line
+from sim.commands.options import elsewhere, ended, report
+from sim.endings import again, keeping
+from sim.errors import ExitCode, StratawalkError, one_line
 from sim.evaluation.quantities import CLAIMED, MARGIN, POSITION, ROWS, WRONG, YAW
+from sim.evaluation.verdict import FAILURES
 from sim.folder import RunFolder
-from sim.progress import Progress
+from sim.progress import Progress, bar
 from sim.run_folder import run
 from sim.scenarios.scenario import Scenario
 
@@ -44,6 +48,26 @@ class Try:
     thought: float | None = None  # off where it was, with feedback from sensors [m]
     claimed: float | None = None  # error that feedback claims for that [m]
     off: float | None = None  # farthest off goal or prediction, as a share of the path
+
+
+def tries_of(
+    scenario: Scenario, robot: Robot, folder: RunFolder, options: argparse.Namespace
+) -> ExitCode:
+    """Walk draws one after another; the worst and the median are printed."""
+    draws = range(scenario.draw, scenario.draw + options.tries)
+
+    def kept() -> str:
+        table = folder.path / TABLE
+        done = table.read_text().count("\n") - 1 if table.is_file() else 0
+        rest = "--draw", f"{draws[done]}", "--tries", f"{len(draws) - done}"
+        on = again(*rest, *elsewhere(options.out))
+        return f"{done} of {len(draws)} draws are kept in {table}, go on: {on}"
+
+    with bar(quiet=options.json) as progress, keeping(kept):
+        tries = walk_tries(scenario, robot, folder, draws, progress)
+    lines = [*describe(tries, scenario.path.length), "", f"{'folder':13}{folder.path}"]
+    report(options, [asdict(one) for one in tries], *lines)
+    return judged_tries(tries, options.tolerance, f"see {folder.path}")
 
 
 def walk_tries(
@@ -102,3 +126,22 @@ def describe(tries: Sequence[Try], path_length: float) -> Iterator[str]:
         if quantity is not YAW:
             label = ROWS[row] if quantity is POSITION else name
             yield f"{label:13}" + "".join(f"{text:>22}" for text in words)
+
+
+def judged_tries(tries: Sequence[Try], tolerance: float, remedy: str) -> ExitCode:
+    """The exit code of several draws: that of the worst."""
+    where = f"{len(tries)} draws"
+    broken = [one for one in tries if one.off is None or one.verdict in FAILURES]
+    if broken:
+        first = broken[0]
+        how = f"draw {first.draw} and {len(broken) - 1} more: {first.verdict}"
+        return ended(ExitCode.SIMULATION, how, where, remedy)
+    worst = max(one.off or 0.0 for one in tries)
+    if worst <= tolerance:
+        return ExitCode.OK
+    count = sum((one.off or 0.0) > tolerance for one in tries)
+    how = (
+        f"{count} came out farther off goal or prediction than --tolerance "
+        f"{tolerance:g}, at worst {100 * worst:.3g} % of the path"
+    )
+    return ended(ExitCode.TOLERANCE, how, where, remedy)

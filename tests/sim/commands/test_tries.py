@@ -8,12 +8,11 @@ import pytest
 
 from models.library import load
 from sim.cli import main
-from sim.commands.judging import judged_tries
+from sim.commands.tries import Try, describe, judged_tries
 from sim.errors import UsageError
 from sim.scenarios.file import load_scenario
 from sim.scenarios.scenario import drawn
 from sim.scenarios.settings import IMPERFECTIONS
-from sim.tries import Try, describe
 
 SHORT = ["--set", "path.goal=[0.01,0.01,0]", "--segments", "2", "--no-video"]
 
