@@ -16,7 +16,7 @@ from importlib.metadata import Distribution, PackageNotFoundError, distribution
 from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from sim.commands.options import command, option, report
 from sim.errors import ROOT, ExitCode, FilesError, RenderError, UsageError, one_line
@@ -43,8 +43,7 @@ class Finding:
     repair: str | None = None  # the command that repairs it
 
 
-@dataclass(frozen=True)
-class Check:
+class Check(NamedTuple):
     """One part of stratawalk that is tried."""
 
     look: Callable[[], str]  # tries it, and says what it uses
@@ -55,12 +54,11 @@ class Check:
 @command("say what works here: physics, pictures, films, reports, installed packages")
 def doctor(options: argparse.Namespace) -> ExitCode:
     """Check every part; ends with 0 if all work, else with the code of the first."""
-    findings = {}
+    findings, lines = {}, []
     with bar(quiet=options.json) as progress:
         for name, check in CHECKS.items():
             with stage(progress, f"trying {name}"):
                 findings[name] = _examined(check)
-    lines = []
     for name, found in findings.items():
         lines.append(f"{name:11}{'works' if found.works else 'fails':8}{found.detail}")
         if found.repair:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import os
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from sim.commands.options import (
@@ -23,7 +22,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from models import Draft, Source, TwistModel
-    from models.motion import MeasuredField
     from sim.preparation.setup import Setup
 
 BUDGET = 30.0  # [s] of the processor, to adopt a robot
@@ -163,35 +161,27 @@ def fields(setup: Setup, progress: Progress) -> list[dict[str, Any]]:
 
     A field that could not be measured has nulls, and the reason.
     """
+    import numpy as np
+
     from sim.experiments.identification import identify
     from sim.experiments.predictions import MODELS, twist_model
 
     identified = identify(setup, progress)
     others = {name: twist_model(setup, name) for name in MODELS if name != "identified"}
-    models = {**others, "identified": identified}
+    models: dict[str, TwistModel] = {**others, "identified": identified}
+    found: list[dict[str, Any]] = []
+    for name, field in identified.fields.items():
+        stratum, slip = field.stratum, field.slip
+        ways, d = field.span * np.array(PLACES), np.array(field.direction)
+        at = stratum, ways[:, None] * d, np.tile(d, (len(ways), 1))
+        twists = {kind: model(*at).tolist() for kind, model in models.items()}
+        along = {"angles": ways.tolist(), "twists": twists, "slip": slip}
+        found.append({"field": name, "stratum": stratum, **along, "reason": None})
     unmeasured = {"angles": None, "twists": None, "slip": None}
-    return [
-        {"field": name, "stratum": field.stratum, **_along(field, models)}
-        for name, field in identified.fields.items()
-    ] + [
+    return found + [
         {"field": name, "stratum": field.stratum, **unmeasured, "reason": field.reason}
         for name, field in identified.failed.items()
     ]
-
-
-def _along(field: MeasuredField, models: Mapping[str, TwistModel]) -> dict[str, Any]:
-    """Twists of one field by every model at `PLACES`."""
-    import numpy as np
-
-    d = np.array(field.direction)
-    ways = field.span * np.array(PLACES)
-    swing, rates = ways[:, None] * d, np.tile(d, (len(ways), 1))
-    twists = {
-        name: model(field.stratum, swing, rates).tolist()
-        for name, model in models.items()
-    }
-    along = {"angles": ways.tolist(), "twists": twists, "slip": field.slip}
-    return along | {"reason": None}
 
 
 def _describe(field: dict[str, Any]) -> str:

@@ -7,7 +7,7 @@ effects are slopes. The floor's contacts switch: slopes hold near the robot as i
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from math import radians
 from typing import NamedTuple
@@ -15,11 +15,9 @@ from typing import NamedTuple
 import numpy as np
 
 from planner import Array
-from planner.support import did_you_mean
 from sim.compliant.anatomy import Robots
 from sim.compliant.phases import Course, Motion, Phases
 from sim.compliant.prediction import course_along, phases_of
-from sim.errors import UsageError
 from sim.preparation.setup import prepare
 from sim.runs.run import Run
 
@@ -47,22 +45,11 @@ class Sensitivities(NamedTuple):
     lean: Array  # on the height of the root [m], roll and pitch [rad], (V, T, 3)
 
 
-def sensitivities_of(
-    run: Run, only: Collection[str] | None = None, times: Array | None = None
-) -> Sensitivities:
-    """Sensitivities of a finished run at times (T,) [s], by default at its end.
-
-    `only` names changes, by default all of `changes_of`. Raises UsageError for a name
-    that none of them has, MeasurementError where a robot tips over.
-    """
+def sensitivities_of(run: Run) -> Sensitivities:
+    """Of a finished run at its end; MeasurementError where a robot tips over."""
     phases, course = course_of_run(run)
-    changes = {each.what: each for each in changes_of(phases, run.legs)}
-    names = list(changes) if only is None else list(only)
-    for name in names:
-        if name not in changes:
-            raise UsageError("no such change", name, did_you_mean(name, changes))
-    moments = run.time[-1:] if times is None else times
-    return sensitivities(phases, course, [changes[name] for name in names], moments)
+    changes = list(changes_of(phases, run.legs))
+    return sensitivities(phases, course, changes, run.time[-1:])
 
 
 def sensitivities(
@@ -80,21 +67,16 @@ def sensitivities(
         leans = bool(each.robot.gravity[0, :2].any())
         batches.setdefault(leans, []).append(number)
     for batch in batches.values() or ([],):
-        robots = _side_by_side([phases.robots, *(changes[i].robot for i in batch)])
-        walks = Phases(phases.mechanics, robots).follow_all(course)
+        some = [phases.robots, *(changes[number].robot for number in batch)]
+        names = [field.name for field in fields(Robots)]
+        lanes = {n: np.concatenate([getattr(r, n) for r in some]) for n in names}
+        walks = Phases(phases.mechanics, Robots(**lanes)).follow_all(course)
         unchanged = next(walks).at(times)
         for change, walk in zip(batch, walks, strict=True):
             changed = walk.at(times)
             pose[change] = (changed.pose - unchanged.pose) / SHARE
             lean[change] = (changed.lean - unchanged.lean) / SHARE
     return Sensitivities(tuple(changes), unchanged, pose, lean)
-
-
-def _side_by_side(robots: Sequence[Robots]) -> Robots:
-    """Single robots as lanes."""
-    names = [field.name for field in fields(Robots)]
-    columns = {n: np.concatenate([getattr(r, n) for r in robots]) for n in names}
-    return Robots(**columns)
 
 
 def course_of_run(run: Run) -> tuple[Phases, Course]:
