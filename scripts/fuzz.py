@@ -26,8 +26,7 @@ import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 
@@ -86,51 +85,21 @@ def decided(words: list[str], folder: str | Path, bounds: Bounds = OWN) -> str |
     return ending(command, folder, bounds.patience).wrong
 
 
-@dataclass
-class Found:
-    """What a search came to: cases of each kind, and how many of them are faults."""
-
-    done: Counter[str] = field(default_factory=Counter)
-    faults: int = 0
-    longest: dict[str, tuple[float, int]] = field(default_factory=dict)  # [s], seeds
-
-
-def search(
-    kinds: Sequence[str],
-    rng: random.Random,
-    seconds: float,
-    cases: float,
-    keep: Path,
-    patience: float = OWN.patience,
-) -> Found:
-    """Run cases of some kinds until time or number is up, and keep those that fail."""
-    import_module("sim.pictures.gl").choose()
-    for name in LOADED:
-        import_module(name)
-    found, end = Found(), time.monotonic() + seconds
-    while time.monotonic() <= end and found.done.total() < cases:
-        kind, seed = rng.choice(kinds), rng.randrange(2**32)
-        with tempfile.TemporaryDirectory() as folder:
-            began = time.monotonic()
-            theirs = ADOPTED if kind.startswith("adopt") else THEIRS
-            bounds = replace(theirs if kind in FOREIGN else OWN, patience=patience)
-            try:
-                words = KINDS[kind](Path(folder), random.Random(seed))
-            except Exception as error:  # of what is tried in this process
-                words = f"raises {type(error).__name__}: {error}"
-            known = isinstance(words, str)
-            wrong = words or None if known else fault(words, folder, bounds)
-            took = round(time.monotonic() - began, 1)
-            if wrong is not None:
-                found.faults += 1
-                shown = json.dumps(words)[:200]
-                print(f"{kind} {seed}: {shown}: {wrong}", flush=True)
-                shutil.copytree(folder, keep / f"{kind}-{seed}", dirs_exist_ok=True)
-        found.done[kind] += 1
-        found.longest[kind] = max(found.longest.get(kind, (0.0, 0)), (took, seed))
-        if found.done.total() % 1000 == 0:
-            print(f"{found.done.total()} cases so far", flush=True)
-    return found
+def tried(kind: str, seed: int, patience: float, keep: Path) -> bool:
+    """Whether a case ends as it must; one that does not is told, and its files kept."""
+    theirs = ADOPTED if kind.startswith("adopt") else THEIRS
+    bounds = replace(theirs if kind in FOREIGN else OWN, patience=patience)
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            words = KINDS[kind](Path(folder), random.Random(seed))
+        except Exception as error:  # of what is tried in this process
+            words = f"raises {type(error).__name__}: {error}"
+        known = isinstance(words, str)
+        wrong = words or None if known else fault(words, folder, bounds)
+        if wrong is not None:
+            print(f"{kind} {seed}: {json.dumps(words)[:200]}: {wrong}", flush=True)
+            shutil.copytree(folder, keep / f"{kind}-{seed}", dirs_exist_ok=True)
+    return wrong is None
 
 
 def main() -> int:
@@ -143,12 +112,23 @@ def main() -> int:
     parser.add_argument("--patience", type=float, default=OWN.patience, help="[s]")
     parser.add_argument("--keep", default="fuzz-finds", help="folder for failed cases")
     asked = parser.parse_args()
+    import_module("sim.pictures.gl").choose()
+    for name in LOADED:
+        import_module(name)
     rng, keep = random.Random(asked.seed), Path(asked.keep).resolve()
-    limits = asked.seconds, asked.cases
-    found = search(asked.kinds, rng, *limits, keep, asked.patience)
-    print(f"{found.done.total()} cases, {found.faults} faults: {dict(found.done)}")
-    print(f"longest, in seconds, and their seeds: {found.longest}")
-    return int(found.faults > 0)
+    done, faults, end = Counter[str](), 0, time.monotonic() + asked.seconds
+    longest: dict[str, tuple[float, int]] = {}  # [s], seeds
+    while (began := time.monotonic()) <= end and done.total() < asked.cases:
+        kind, seed = rng.choice(asked.kinds), rng.randrange(2**32)
+        faults += not tried(kind, seed, asked.patience, keep)
+        took = round(time.monotonic() - began, 1)
+        longest[kind] = max(longest.get(kind, (0.0, 0)), (took, seed))
+        done[kind] += 1
+        if done.total() % 1000 == 0:
+            print(f"{done.total()} cases so far", flush=True)
+    print(f"{done.total()} cases, {faults} faults: {dict(done)}")
+    print(f"longest, in seconds, and their seeds: {longest}")
+    return int(faults > 0)
 
 
 if __name__ == "__main__":
