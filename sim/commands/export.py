@@ -6,7 +6,6 @@ import argparse
 import os
 from collections.abc import Mapping
 from contextlib import nullcontext
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -81,7 +80,14 @@ def export(options: argparse.Namespace) -> ExitCode:
 
     folder = Path(options.scenario)
     blame = blamed_on(folder) if folder.is_dir() else nullcontext()
-    with bar(quiet=options.json) as progress, blame, keeping(partial(_kept, out)):
+
+    def kept() -> str:
+        if not out.exists():
+            return f"nothing is written, start again: {again()}"
+        on = again(*elsewhere(str(out)))
+        return f"{out} is written and not played, start again: {on}"
+
+    with bar(quiet=options.json) as progress, blame, keeping(kept):
         source = _source(options, progress)
         commands, read, coarse = _written(options, source, out)
         played = _played(options, source, read, progress)
@@ -111,23 +117,13 @@ def _played(
     """What came of playing the export, by words for how it was played."""
     from sim.export.source import play
 
-    ways = {"exported": False, "interpolated": True}
-    if options.format != "ros2":  # which alone has a controller that interpolates
-        del ways["interpolated"]
+    ways = ["exported"] if options.play else []
+    if options.play and options.format == "ros2":  # whose controller interpolates
+        ways.append("interpolated")
     return {
-        name: play(source, read, progress, interpolated=way)
-        for name, way in ways.items()
-        if options.play
+        way: play(source, read, progress, interpolated=way == "interpolated")
+        for way in ways
     }
-
-
-def _kept(out: Path) -> str:
-    """What is kept of an export that ends early, and the command that goes on."""
-    if not out.exists():
-        return f"nothing is written, start again: {again()}"
-    return (
-        f"{out} is written and not played, start again: {again(*elsewhere(str(out)))}"
-    )
 
 
 def _require_sense(options: argparse.Namespace, out: Path) -> None:
@@ -148,7 +144,12 @@ def _source(options: argparse.Namespace, progress: Progress) -> Source:
 
     folder = Path(options.scenario)
     if folder.is_dir():
-        _require_as_walked(options)
+        named = (key for key in NAMED if getattr(options, key, None))
+        given = [f"--{key.replace('_', '-')}" for key in named]
+        if given := [*given, *(["--set"] if options.set else [])]:
+            what = f"{', '.join(given)} for a run, which is exported as it was walked"
+            remedy = "give the scenario instead, or leave these options out"
+            raise UsageError(what, options.scenario, remedy)
         source = from_run(folder, allow_external=options.allow_external)
     else:
         scenario = scenario_of(options)
@@ -156,26 +157,10 @@ def _source(options: argparse.Namespace, progress: Progress) -> Source:
         source = from_scenario(scenario, robot, progress)
     own = source.servo.rate
     if options.rate and own and options.rate != own:
-        raise UsageError(
-            f"--rate {options.rate:g} for servos that took {own:g} a second",
-            options.scenario,
-            "leave --rate out, or plan with --set command_rate",
-        )
+        what = f"--rate {options.rate:g} for servos that took {own:g} a second"
+        remedy = "leave --rate out, or plan with --set command_rate"
+        raise UsageError(what, options.scenario, remedy)
     return source
-
-
-def _require_as_walked(options: argparse.Namespace) -> None:
-    """Refuse settings for a walk that is over."""
-    named = (key for key in NAMED if getattr(options, key, None))
-    given = [f"--{key.replace('_', '-')}" for key in named]
-    if options.set:
-        given.append("--set")
-    if given:
-        raise UsageError(
-            f"{', '.join(given)} for a run, which is exported as it was walked",
-            options.scenario,
-            "give the scenario instead, or leave these options out",
-        )
 
 
 def _written(

@@ -91,7 +91,11 @@ def sweep(options: argparse.Namespace) -> ExitCode:
 
     asked = read_sweep(options.file)
     shard = options.shard or Shard()
-    workers, scheduler = _workers(options), options.scheduler
+    workers, scheduler = options.workers, options.scheduler
+    if workers and scheduler is not None:
+        what = "a scheduler has workers of its own"
+        raise UsageError(what, "--workers and --scheduler", "keep one of them")
+    workers = workers or len(os.sched_getaffinity(0))
     points = points_of(asked, shard)
     folder = claim(Path(options.out), shard, options.resume)
     far, first = "points that are done", None
@@ -115,15 +119,6 @@ def sweep(options: argparse.Namespace) -> ExitCode:
         for line in write_run_folders(points, folder):
             notice(f"no run folder, {line}", "warning")
     return _print_result(options, result, folder.table)
-
-
-def _workers(options: argparse.Namespace) -> int:
-    if options.workers is None:
-        return len(os.sched_getaffinity(0))
-    if options.scheduler is not None:
-        what = "a scheduler has workers of its own"
-        raise UsageError(what, "--workers and --scheduler", "keep one of them")
-    return int(options.workers)
 
 
 @command(

@@ -84,9 +84,12 @@ def read_sweep(source: str) -> Sweep:
     scenario = _scenario(table, path)
     fixed = dict(flat(_inner(table, "set")))
     _anchor_values(fixed, path.parent)
-    blocks = tuple(_anchored(block, path.parent) for block in _blocks(table))
-    given = Counter([*fixed, *(key for keys, _ in blocks for key in keys)])
-    for key in (key for key, times in given.items() if times > 1):
+    given = [*grid_blocks(_inner(table, "grid"))]
+    for key, made in (("list", list_block), ("sobol", sobol_block)):
+        given += [made(inner)] if (inner := _inner(table, key)) else []
+    blocks = tuple(_anchored(block, path.parent) for block in given)
+    times = Counter([*fixed, *(key for keys, _ in blocks for key in keys)])
+    for key in (key for key, count in times.items() if count > 1):
         raise UsageError(f"{key} is given twice", source, "keep it in one table")
     count = math.prod(len(choices) for _, choices in blocks)
     without, kept = left_out(table.get("without", [])), _inner(table, "keep")
@@ -138,14 +141,6 @@ def _inner(table: Table, key: str) -> Table:
     if not isinstance(inner, Mapping):
         raise UsageError(f"{key} is no table", "the sweep's file", f"write [{key}]")
     return inner
-
-
-def _blocks(table: Table) -> Iterator[Block]:
-    yield from grid_blocks(_inner(table, "grid"))
-    if side_by_side := _inner(table, "list"):
-        yield list_block(side_by_side)
-    if samples := _inner(table, "sobol"):
-        yield sobol_block(samples)
 
 
 def _anchor_values(values: dict[str, object], folder: Path) -> None:
