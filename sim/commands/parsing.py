@@ -15,7 +15,7 @@ COMMANDS = {  # in the order of help, and the module that each is in
     "run": "walks", "play": "walks", "show": "finished", "film": "finished",
     "view": "finished", "compare": "comparing", "sweep": "studies",
     "merge": "studies", "study": "studies", "design": "studies", "plan": "plan",
-    "export": "export", "calibrate": "calibrate", "drive": "drive", "check": "check",
+    "export": "export", "calibrate": "calibrate", "drive": "drive", "check": "systems",
     "identify": "robots", "fit": "fit", "sensitivities": "comparing",
     "figures": "comparing", "robots": "robots", "adopt": "robots",
     "systems": "systems", "scenarios": "systems", "bench": "doctor",

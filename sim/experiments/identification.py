@@ -1,11 +1,11 @@
-"""Identification: a robot's fields measured by short experiments.
+"""Short experiments: a robot's fields are identified, and the creep of standing feet.
 
-Each experiment brings the legs through the air to one end of a field's swing, steps
-onto its stratum, swings to the other end, and reads the pose of the body meanwhile,
-without any model of the contacts. Below `SPEED` the physics does not depend on speed. A
-stroke in the opposite direction over the whole range of the joints confirms the field;
-it is used as far as it predicts this stroke, and not beyond. What it misses of the
-stroke is kept, and tells on which walks it can be trusted.
+To identify a field, each experiment brings the legs through the air to one end of the
+field's swing, steps onto its stratum, swings to the other end, and reads the pose of
+the body meanwhile, without any model of the contacts. Below `SPEED` the physics does
+not depend on speed. A stroke in the opposite direction over the whole range of the
+joints confirms the field; it is used as far as it predicts this stroke, and not beyond.
+What it misses of the stroke is kept, and tells on which walks it can be trusted.
 """
 
 from __future__ import annotations
@@ -34,6 +34,7 @@ SPEED = 0.5  # [rad/s], at least
 ACCELERATION = 5.0  # [rad/s^2], at least
 HOLD = 0.5  # [s], at most; a robot has settled by then
 TOLERATED = 0.2  # of a stroke's motion; up to 0.12 measured on shipped robots
+LONGEST_STAND = 10.0  # [s], that creep is measured for
 FINE = 200  # parts of the way in which predictions are summed
 
 
@@ -233,3 +234,26 @@ def _integrated(field: MeasuredField, ways: Array) -> Array:
     x = np.cumsum((forward * cos - left * sin) * step)
     y = np.cumsum((forward * sin + left * cos) * step)
     return np.stack([np.append(0.0, x), np.append(0.0, y), yaw], axis=1)
+
+
+def creep_floor(setup: Setup, duration: float) -> float:
+    """Slip of all feet together in a stand that lasts as long as a walk [m].
+
+    Soft contacts let a loaded foot creep, more slowly as the stresses between the feet
+    relax. Beyond `LONGEST_STAND` it is extrapolated at the rate of its last second,
+    which is too much rather than too little.
+    """
+    stand = min(duration, LONGEST_STAND)
+    scheduler = Scheduler(setup.limits, setup.at_rest)
+    scheduler.hold(setup.limits.hold)
+    scheduler.hold(stand)
+    schedule = scheduler.finish()
+    held, end = (phase.stop for phase in schedule.phases)
+    last = min(round(1.0 / setup.limits.timestep), end)
+    commands, looks = setup.commands(schedule), np.unique([held, end - last, end])
+    recording = recorded(setup.model, setup.robot, commands, end, looks)
+    begin, before, after = (
+        float(recording.slip_after(step).sum()) for step in (held, end - last, end)
+    )
+    rate = (after - before) / (last * setup.limits.timestep)
+    return after - begin + rate * (duration - stand)

@@ -7,6 +7,7 @@ one angle, each one way or the other, or are locked where they stand.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import combinations, product
 from typing import Any
@@ -75,49 +76,38 @@ def _ways(group: Sequence[int]) -> Iterator[Signs]:
             yield dict(zip(group, signs, strict=True))
 
 
-class Twists:
-    """Twist of a group by itself, which many designs have in common."""
+def directions(
+    robot: Robot, design: Design, known: dict[object, np.ndarray | None]
+) -> tuple[str, ...]:
+    """Which of `DIRECTIONS` both strokes and their bracket make together.
 
-    def __init__(self, robot: Robot) -> None:
-        self._robot = robot
-        self._known: dict[tuple[tuple[int, int], ...], np.ndarray | None] = {}
-
-    def directions(self, design: Design) -> tuple[str, ...]:
-        """Which of `DIRECTIONS` both strokes and their bracket make together.
-
-        These three are all that there is: further brackets of two motions of the plane
-        are combinations of them.
-        """
-        built = design.built(self._robot)
-        first, second = (
-            self._of(built, name, tuple(signs.items()))
-            for name, signs in zip(built.groups, design.groups, strict=True)
-        )
-        if first is None or second is None:
-            return ()
-        (x, y, turn), (u, v, spin) = first, second  # forward, left and yaw
-        bracket = np.array([turn * -v + spin * y, turn * u - spin * x, 0.0])
-        _, size, ways = np.linalg.svd(np.array([first, second, bracket]))
-        lost = np.abs(ways[size <= SAME_MOTION * size[0] ** 2]).max(axis=0, initial=0.0)
-        pairs = zip(DIRECTIONS, lost, strict=True)
-        return tuple(name for name, part in pairs if part < SAME_MOTION)
-
-    def _of(self, robot: Robot, name: str, key: tuple[tuple[int, int], ...]) -> Any:
-        if key not in self._known:
-            try:
-                self._known[key] = np.array(group_twist(Kinematics(robot), name))
-            except ModelError:  # these legs do not stand
-                self._known[key] = None
-        return self._known[key]
+    These three are all that there is: further brackets of two motions of the plane are
+    combinations of them. Twists of groups, which many designs share, become `known`.
+    """
+    built, twists = design.built(robot), []
+    for name, signs in zip(built.groups, design.groups, strict=True):
+        if (key := tuple(signs.items())) not in known:
+            with suppress(ModelError):  # these legs do not stand
+                known[key] = np.array(group_twist(Kinematics(built), name))
+        twists.append(known.setdefault(key, None))
+    first, second = twists
+    if first is None or second is None:
+        return ()
+    (x, y, turn), (u, v, spin) = first, second  # forward, left and yaw
+    bracket = np.array([turn * -v + spin * y, turn * u - spin * x, 0.0])
+    _, size, ways = np.linalg.svd(np.array([first, second, bracket]))
+    lost = np.abs(ways[size <= SAME_MOTION * size[0] ** 2]).max(axis=0, initial=0.0)
+    pairs = zip(DIRECTIONS, lost, strict=True)
+    return tuple(name for name, part in pairs if part < SAME_MOTION)
 
 
 def tried(
     robot: Robot, found: Sequence[Design], walks: int
 ) -> Iterator[Mapping[str, Any]]:
     """A row of the table for every design; the first that go everywhere are walked."""
-    twists = Twists(robot)
+    known: dict[object, np.ndarray | None] = {}
     for number, design in enumerate(found):
-        ways = twists.directions(design)
+        ways = directions(robot, design, known)
         row: dict[str, Any] = {
             "design": number,
             "groups": str(design),

@@ -7,14 +7,14 @@ import pytest
 from models.errors import ModelError
 from sim.cli import main
 from sim.studies import designing
-from sim.studies.designing import DIRECTIONS, Twists, designs
+from sim.studies.designing import DIRECTIONS, designs, directions
 
 
 def test_the_quick_test_knows_the_shipped_design_and_one_that_cannot(hexapod):
     named = {str(design): design for design in designs(hexapod.legs)}
-    twists = Twists(hexapod)
-    assert twists.directions(named["1+ 4+ 5+ | 2+ 3+ 6+"]) == DIRECTIONS
-    assert twists.directions(named["1+ 2+ 30 | 4+ 50 60"]) == ()
+    shipped, one_way = named["1+ 4+ 5+ | 2+ 3+ 6+"], named["1+ 2+ 30 | 4+ 50 60"]
+    assert directions(hexapod, shipped, {}) == DIRECTIONS
+    assert directions(hexapod, one_way, {}) == ()
 
 
 @pytest.mark.physics
