@@ -43,8 +43,8 @@ from .motion.twists import (
 )
 from .systems.catalogue import (
     SYSTEMS as SYSTEMS,
+    load_system as load_system,
     shipped_system as shipped_system,
 )
-from .systems.file import load_system as load_system
 from .systems.legged import paper_hexapod as paper_hexapod
 from .systems.problem import Problem as Problem

@@ -202,26 +202,15 @@ def _torso(world: Element, shape: Morphology) -> Element:
     _add(torso, "freejoint", name="root")
     length, width, thickness = shape.plate
     raised = shape.hip_radius + thickness
-    _add(
-        torso,
-        "geom",
-        pos=(0, 0, raised),
-        size=shape.plate,
-        name="plate",
-        type="box",
-        mass=shape.body_mass,
-    )
-    _add(
-        torso,
-        "geom",
-        pos=(0.85 * length, 0, raised + 2 * thickness),
-        size=(0.15 * length, 0.35 * width, thickness),
-        rgba=ACCENT,
-        conaffinity="0",
-        name="nose",
-        type="box",
-        mass="0",
-    )
+    plate = {"pos": (0, 0, raised), "size": shape.plate}
+    _add(torso, "geom", **plate, name="plate", type="box", mass=shape.body_mass)
+    nose: dict[str, Value] = {
+        "pos": (0.85 * length, 0, raised + 2 * thickness),
+        "size": (0.15 * length, 0.35 * width, thickness),
+        "rgba": ACCENT,
+        "conaffinity": "0",
+    }
+    _add(torso, "geom", **nose, name="nose", type="box", mass="0")
     far = 4 * max(abs(c) for leg in shape.legs.values() for c in leg.foot)
     for name, place, axes in (
         ("top", (0, 0, 1), "0 -1 0 1 0 0"),

@@ -94,10 +94,19 @@ def _parallel(
     return _square((outer_x, 0.0, -outer_x), foot_y, hip_y)
 
 
+SHAPES: dict[str, tuple[Morphology, Callable[..., Legs]]] = {
+    "hexapod": (HEXAPOD, _hexapod)
+}
+"""Each shipped robot, and its legs from the numbers of its shape."""
+
+
+def _ship(name: str, legs: Callable[..., Legs], **numbers: Any) -> None:
+    """A robot that is like the hexapod but for its legs and some numbers."""
+    SHAPES[name] = replace(HEXAPOD, name=name, legs=legs(), **numbers), legs
+
+
 # The paper's Figs. 1 and 5 taken literally: legs square to the body.
-HEXAPOD_PARALLEL = replace(
-    HEXAPOD, name="hexapod-parallel", legs=_parallel(), plate=(0.17, 0.06, 0.008)
-)
+_ship("hexapod-parallel", _parallel, plate=(0.17, 0.06, 0.008))
 
 # Educational hexapods carry six equal legs of two servos at 60 degrees on a round body.
 # Radial legs can only turn it about its middle. Where it stands with the outer legs
@@ -110,9 +119,7 @@ def _radial(circle: float = 0.08, length: float = 0.11, pivot: float = 0.05) -> 
     return legs_on_a_circle(RADIAL_BEARINGS, circle, length, pivots)
 
 
-HEXAPOD_RADIAL = replace(
-    HEXAPOD, name="hexapod-radial", legs=_radial(), plate=(0.075, 0.075, 0.008)
-)
+_ship("hexapod-radial", _radial, plate=(0.075, 0.075, 0.008))
 
 # The table-top robot of classrooms: twelve MG90-class servos in printed parts, six
 # equal radial legs on a round body, such as the Vorpal (vorpalrobotics.com/wiki).
@@ -136,10 +143,9 @@ def _classroom(
     return {number: Leg(leg.hip, leg.foot) for number, leg in legs.items()}
 
 
-HEXAPOD_CLASSROOM = replace(
-    HEXAPOD,
-    name="hexapod-classroom",
-    legs=_classroom(),
+_ship(
+    "hexapod-classroom",
+    _classroom,
     hip_height=0.045,
     plate=(0.055, 0.055, 0.006),
     body_mass=0.30,
@@ -164,9 +170,7 @@ def _octopod(kappa: float = KAPPA, pivot: float = 0.06) -> Legs:
     return legs_towards_pivots(OCTOPOD_FEET, pivots, kappa)
 
 
-OCTOPOD = replace(
-    HEXAPOD, name="octopod", legs=_octopod(), body_mass=1.2, swing_range=0.4
-)
+_ship("octopod", _octopod, body_mass=1.2, swing_range=0.4)
 
 
 def _quadruped(
@@ -182,26 +186,15 @@ def _quadruped(
 # times its length: four equal legs square to the body, farther out than apart. Its
 # weight lies 15 mm behind the middle of its feet, not on the line between any two: a
 # front leg can lift at any time, and a hind leg when a front one stands far back.
-QUADRUPED = replace(
-    HEXAPOD,
-    name="quadruped",
-    legs=_quadruped(),
+_ship(
+    "quadruped",
+    _quadruped,
     hip_height=0.05,
     plate=(0.09, 0.025, 0.008),
     body_mass=0.6,
     leg_mass=0.03,
     swing_range=0.55,
 )
-
-SHAPES: Mapping[str, tuple[Morphology, Callable[..., Legs]]] = {
-    "hexapod": (HEXAPOD, _hexapod),
-    "hexapod-parallel": (HEXAPOD_PARALLEL, _parallel),
-    "hexapod-radial": (HEXAPOD_RADIAL, _radial),
-    "hexapod-classroom": (HEXAPOD_CLASSROOM, _classroom),
-    "octopod": (OCTOPOD, _octopod),
-    "quadruped": (QUADRUPED, _quadruped),
-}
-"""Each shipped robot, and its legs from the numbers of its shape."""
 MORPHOLOGIES = tuple(shape for shape, _ in SHAPES.values())
 
 

@@ -1,6 +1,5 @@
 from .real_contacts import (
     ContactField as ContactField,
-    FittedTwists as FittedTwists,
     contact_equations as contact_equations,
     contact_fields as contact_fields,
 )

@@ -67,20 +67,6 @@ class ContactField:
         return forward, left, yaw
 
 
-@dataclass(frozen=True)
-class FittedTwists:
-    """The twist model of fields of the real contacts, added up."""
-
-    fields: Mapping[str, ContactField]
-
-    def __call__(self, stratum: str, swing: Array, rates: Array) -> Array:
-        """The strokes of the stratum that together have these rates, shape (N, 3)."""
-        on = [field for field in self.fields.values() if field.stratum == stratum]
-        amounts = rates @ np.linalg.pinv(np.array([field.direction for field in on]))
-        parts = [u[:, None] * f(swing) for u, f in zip(amounts.T, on, strict=True)]
-        return np.sum(parts, axis=0)
-
-
 def contact_fields(
     described: Equations,
     groups: Sequence[str],

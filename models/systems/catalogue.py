@@ -1,15 +1,30 @@
-"""The shipped systems by name."""
+"""Systems shipped by name, and those of users: a file of formulas, or of Python.
+
+A TOML file is data; its formulas are parsed and never executed. A field is a table of
+the rates of coordinates; coordinates that it does not name stand still. A Python file
+is executed like any program of the user. It must define a `Problem` under the name
+`problem`; the fields of its system may be functions.
+"""
 
 from __future__ import annotations
 
 import inspect
+import runpy
 from collections.abc import Callable, Mapping
-from typing import get_type_hints
+from pathlib import Path
+from typing import cast, get_type_hints
 
+import sympy as sp
+
+from models.description.table import Table, parse_toml
 from models.errors import ProblemError
 from models.systems import legged, smooth
-from models.systems.problem import Problem
-from planner.support import unknown
+from models.systems.problem import Problem, Words
+from planner import PlannerError, StratifiedSystem
+from planner.execution import StanceRule
+from planner.planning import FlatOutputs
+from planner.support import read_file, unknown
+from planner.systems import RESERVED, read_formula
 
 SYSTEMS: Mapping[str, Callable[..., Problem]] = {
     "paper-hexapod": legged.paper_hexapod,
@@ -86,3 +101,178 @@ def _fits(value: object, kind: object) -> bool:
     if kind is bool or isinstance(value, bool):
         return kind is bool and isinstance(value, bool)
     return isinstance(value, int if kind is int else int | float)
+
+
+REQUIRED = ("state", "goal", "strata")
+OPTIONAL = (
+    *("description", "bottom", "gait", "elements", "start", "segments", "stance"),
+    *("degree", "words", "flat"),
+    *("parameters", "limits", "level_sets", "metric", "lifts"),
+)
+FLAT = ("along", "across", "rate", "slope")
+Reader = Callable[[str, object], sp.Expr]
+
+
+def load_system(
+    path: Path | str, values: Mapping[str, object] | None = None
+) -> Problem:
+    """Read a system and its problem from a file.
+
+    Args:
+        path: A `.toml` or `.py` file.
+        values: Parameters that replace the file's.
+
+    Raises:
+        ProblemError: It cannot be read, or what it says is impossible.
+        OSError: The file cannot be opened.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from tempfile import TemporaryDirectory
+        >>> from models import load_system
+        >>> wheel = '''
+        ... state = ["x", "y", "theta"]
+        ... goal = { y = 1 }
+        ... [strata.0]
+        ... roll = { x = "cos(theta)", y = "sin(theta)" }
+        ... turn = { theta = 1 }
+        ... '''
+        >>> with TemporaryDirectory() as folder:
+        ...     file = Path(folder, "wheel.toml")
+        ...     _ = file.write_text(wheel)
+        ...     load_system(file).elements
+        ()
+    """
+    path = Path(path)
+    source = read_file(path)
+    try:
+        if path.suffix == ".py":
+            return _run(path, values or {})
+        return _decode(path.stem, parse_toml(source.decode()), values or {})
+    except (ValueError, PlannerError) as error:
+        raise ProblemError(f"bad system: {path}; {error}") from error
+
+
+def _run(path: Path, values: Mapping[str, object]) -> Problem:
+    if values:
+        raise ValueError("a Python file has no parameters to set; change them in it")
+    try:
+        problem = runpy.run_path(str(path)).get("problem")
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # sys.exit, too
+        raise ValueError(f"it ends with {type(error).__name__}: {error}") from error
+    if not isinstance(problem, Problem):
+        raise ValueError("it defines no models.Problem named `problem`; define one")
+    return problem
+
+
+def _decode(
+    name: str, content: Mapping[str, object], values: Mapping[str, object]
+) -> Problem:
+    table = Table(content, known=REQUIRED + OPTIONAL)
+    state, formula = _language(table, values)
+    system = _system(table, state, formula)
+    table.get("goal")
+    return Problem(
+        name=name,
+        description=table.text("description", ""),
+        system=system,
+        gait=table.texts("gait", ()) or _gait(system),
+        elements=table.texts("elements", ()),
+        start=table.gains("start"),
+        goal=table.gains("goal"),
+        segments=table.whole("segments", 1),
+        limits={key: _span(table, key) for key in table.table("limits").values},
+        # stances and words that do not exist are refused by `Problem`
+        stance=cast(StanceRule, table.text("stance", "paper")),
+        degree=table.whole("degree") if "degree" in table else None,
+        words=cast(Words, table.text("words", "printed")),
+        in_gait="gait" in table,
+        flat=_flat(table, formula) if "flat" in table else None,
+    )
+
+
+def _flat(table: Table, formula: Reader) -> FlatOutputs:
+    """Flat outputs, with their rates where the file gives these."""
+    given = table.table("flat")
+    for key in given.values:
+        if key not in FLAT:
+            raise ValueError(f"flat.{key} {unknown(key, FLAT)}")
+    for key in FLAT[:2]:
+        given.get(key)  # refuses a table that lacks it
+    values = {key: formula(f"flat.{key}", v) for key, v in given.values.items()}
+    return FlatOutputs(**values)
+
+
+def _language(
+    table: Table, values: Mapping[str, object]
+) -> tuple[tuple[sp.Symbol, ...], Reader]:
+    """The state, and what reads formulas over it, with numbers for the parameters."""
+    known = table.table("parameters").values
+    for key in values:
+        if key not in known:
+            raise ValueError(f"parameter {key!r} {unknown(key, known)}")
+    given = Table({**known, **values}, "parameters")
+    state = tuple(sp.Symbol(name, real=True) for name in table.texts("state"))
+    parameters = {name: given.exact(name) for name in given.values}
+    for name in parameters:
+        if name in map(str, state):
+            raise ValueError(f"{name} is a parameter and a coordinate; rename one")
+        if name in RESERVED:
+            raise ValueError(f"{name} is a parameter, but formulas use it; rename it")
+
+    def formula(what: str, text: object) -> sp.Expr:
+        if isinstance(text, bool) or not isinstance(text, str | int | float):
+            raise ValueError(f"{what} has {text!r}; write a number or a formula")
+        try:
+            return read_formula(text, state, parameters)
+        except ValueError as error:
+            raise ValueError(f"{what}: {error}") from error
+
+    return state, formula
+
+
+def _system(
+    table: Table, state: tuple[sp.Symbol, ...], formula: Reader
+) -> StratifiedSystem:
+    names = tuple(map(str, state))
+
+    def column(field: str, rates: object) -> list[sp.Expr]:
+        what = f"field {field}"
+        if not isinstance(rates, dict):
+            like = f"as in {{ {names[0]} = 1 }}"
+            raise ValueError(f"{what} is {rates!r}; give rates, {like}")
+        for name in rates:
+            if name not in names:
+                raise ValueError(f"{what} moves {name}, which {unknown(name, names)}")
+        return [formula(what, rates.get(name, 0)) for name in names]
+
+    strata = {
+        stratum: {name: column(name, rates) for name, rates in fields.values.items()}
+        for stratum, fields in table.tables("strata").items()
+    }
+    sets = table.table("level_sets")
+    level_sets = {
+        stratum: tuple(
+            formula(f"level set of S{stratum}", f) for f in sets.list(stratum)
+        )
+        for stratum in sets.values
+    }
+    bottom = str(table.values.get("bottom", next(iter(strata), "")))
+    metric, raising = table.gains("metric"), table.table("lifts")
+    lifts = {stratum: raising.texts(stratum) for stratum in raising.values}
+    return StratifiedSystem(state, strata, bottom, level_sets, metric, lifts)
+
+
+def _gait(system: StratifiedSystem) -> tuple[str, ...]:
+    """From the bottom stratum to each of its neighbours in turn, and back."""
+    bottom = system.bottom
+    return (bottom, *(s for near in system.neighbours[bottom] for s in (near, bottom)))
+
+
+def _span(table: Table, name: str) -> tuple[float, float]:
+    low_high = table.table("limits").numbers(name)
+    if len(low_high) != 2:
+        raise ValueError(f"limits.{name} must be [lowest, highest], got {low_high}")
+    return low_high[0], low_high[1]

@@ -2,7 +2,10 @@
 
 What walking and measurement need is added to the robot's file where it is missing, also
 the keyframe `start`: the pose in which the robot begins, its feet on the floor. The run
-simulates the model that is compiled from the text.
+simulates the model that is compiled from the text. What that names is gathered from
+wherever the MJCF, its includes and its attached parts keep it. The robot's own files
+are copied unchanged beside it, whose numbers MuJoCo rounds: a rerun from the copies is
+planned with the same digits.
 
 Euler's integrator takes springs and servos as they are at the beginning of a step. The
 engine's implicit one allows for their damping once friction has been solved for, which
@@ -12,17 +15,18 @@ not, and is used there.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
 import mujoco
 import numpy as np
 
-from models import Kinematics, Robot
-from models.description import ON_JOINT, compile_model, one_line
+from models import Kinematics, ModelError, Robot
+from models.description import ON_JOINT, compile_model, elements_with_files, one_line
 from planner import Array
 from sim.scenarios.scenario import Scenario
-from sim.world.assets import gather
 from sim.world.dead_bands import BAND, ensure_dead_bands
 from sim.world.floor import Floor, add_bumps, ensure_floor, scene
 from sim.world.imperfections import BACKLASH, add_imperfections
@@ -179,3 +183,71 @@ def explicitness(model: mujoco.MjModel) -> float:
     damping -= np.diag(model.dof_damping)
     change = np.linalg.solve(inertia, h * damping + h**2 / 2 * stiffness)
     return float(np.linalg.eigvals(change).real.max())
+
+
+FOLDER = "assets"  # beside model.xml
+COPY = "robot"  # folder in the run folder, of the robot's own files
+
+
+def gather(spec: mujoco.MjSpec, robot: Robot) -> dict[str, bytes]:
+    """Make a spec's files those of `assets/`, and return their content.
+
+    It is sorted by path relative to model.xml, with one entry a file, however often the
+    file is used.
+    """
+    named: dict[Path, str] = {}
+    for element, folder, found in list(elements_with_files(spec, robot.model)):
+        base = Path(spec.modelfiledir) / folder
+        if element.file:
+            element.file = _rename(named, found or base / element.file)
+        for i, file in enumerate(getattr(element, "cubefiles", ())):
+            if file:
+                element.cubefiles[i] = _rename(named, base / file)
+        element.compiler.meshdir = element.compiler.texturedir = ""
+    spec.compiler.meshdir = spec.compiler.texturedir = ""
+    spec.strippath = False
+    content = {name: _read(path, robot) for path, name in named.items()}
+    spec.assets = content
+    return content
+
+
+def _rename(named: dict[Path, str], path: Path) -> str:
+    """Name of a file in `FOLDER`, its own unless another one has it already."""
+    if path not in named:
+        name, number = path.name, 1
+        while f"{FOLDER}/{name}" in named.values():
+            number += 1
+            name = f"{path.stem}-{number}{path.suffix}"
+        named[path] = f"{FOLDER}/{name}"
+    return named[path]
+
+
+def _read(path: Path, robot: Robot) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise ModelError(
+            f"an asset cannot be read, {error.strerror}: {path}, which {robot.path} "
+            "uses; put it there, or correct meshdir or texturedir"
+        ) from error
+
+
+def origin(robot: Robot) -> tuple[str, dict[str, bytes]]:
+    """Name or path of the robot in a run folder, and the files that it needs.
+
+    A shipped robot is referred to by its name and needs none. Paths are relative to the
+    run folder.
+    """
+    if robot.is_shipped:
+        return robot.name, {}
+    mjcf = robot.path.resolve()
+    used = {path.resolve() for path in (mjcf, *robot.opened.files)}
+    above = os.path.commonpath([path.parent for path in used])
+    copies = {
+        Path(COPY, path.relative_to(above)).as_posix(): path.read_bytes()
+        for path in sorted(used)
+    }
+    main = Path(COPY, mjcf.relative_to(above))
+    if not robot.has_card_inside:
+        copies[main.with_suffix(".toml").as_posix()] = robot.card_text.encode()
+    return main.as_posix(), copies

@@ -7,7 +7,6 @@ from models.contact.kinematics import Kinematics
 from models.contact.sliding import Ground
 from models.library import load
 from models.motion.real_contacts import (
-    FittedTwists,
     contact_equations,
     contact_fields,
 )
@@ -102,11 +101,3 @@ def test_real_fields_have_brackets_and_span_what_a_gait_needs():
     assert gait_controllability(real, gait, start).controllable
     sideways = hall_fields(real, LIFTED, max_degree=2)
     assert [str(e) for e in sideways.elements] == ["1", "2", "[1,2]"]
-
-
-def test_fitted_twists_add_up_strokes():
-    robot, _, twists, _, fields = fitted("hexapod")
-    model = FittedTwists(fields)
-    swing, rates = np.array([[0.2, -0.1]]), np.array([[-0.6, 0.0]])
-    expected = twists("1", swing, rates)
-    assert model("1", swing, rates) == pytest.approx(expected, abs=1e-8)

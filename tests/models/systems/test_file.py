@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from models.errors import ProblemError
-from models.systems.catalogue import shipped_system
-from models.systems.file import load_system
+from models.systems.catalogue import load_system, shipped_system
 from planner.controllability.gaits import gait_controllability
 from planner.extension.extended import extend
 from planner.planning.algorithm import plan

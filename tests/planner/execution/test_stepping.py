@@ -8,7 +8,7 @@ import pytest
 from models.contact.kinematics import Kinematics
 from models.contact.loads import StaticStability, static_loads
 from models.library import load
-from models.morphology.shipped import QUADRUPED
+from models.morphology.shipped import SHAPES
 from models.motion.robot_equations import equations
 from planner.errors import StratumError
 from planner.execution.execution import Execution
@@ -118,9 +118,9 @@ def test_weight_on_the_line_between_two_feet_is_refused(quadruped, tmp_path):
             hip=(leg.hip[0] - 0.015, leg.hip[1]),
             foot=(leg.foot[0] - 0.015, leg.foot[1]),
         )
-        for n, leg in QUADRUPED.legs.items()
+        for n, leg in SHAPES["quadruped"][0].legs.items()
     }
-    robot = _written(replace(QUADRUPED, legs=shifted), quadruped, tmp_path)
+    robot = _written(replace(SHAPES["quadruped"][0], legs=shifted), quadruped, tmp_path)
     assert StaticStability(robot).least_loads(["234"], [np.zeros(1)] * 4).max() < 1e-9
     described = equations(robot)
     extended = extend(described.system, described.elements)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from models.motion.real_contacts import FittedTwists, contact_fields
+from models.motion.real_contacts import contact_fields
 from planner.errors import ConvergenceError, PlannerError
 from planner.planning.rollouts import rollout
 from planner.systems.flows import Flow
@@ -120,7 +120,13 @@ def same_flows(one, other):
 def test_fields_of_the_real_contacts_steer_as_the_contacts_themselves(turning):
     twists = twist_model(turning, "quasi_static")
     described, groups = turning.equations, turning.robot.groups
-    fields = FittedTwists(contact_fields(described, groups, twists))
+    found = contact_fields(described, groups, twists).values()
+
+    def fields(stratum, swing, rates):
+        on = [field for field in found if field.stratum == stratum]
+        amounts = rates @ np.linalg.pinv(np.array([field.direction for field in on]))
+        return sum(u[:, None] * f(swing) for u, f in zip(amounts.T, on, strict=True))
+
     on = steer_along(turning, twists), steer_along(turning, fields)
     same_flows(*(plan.flows for plan in on))
     here, there = np.zeros(3), np.array([0.005, 0.004, 0.05])
