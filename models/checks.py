@@ -168,7 +168,8 @@ def _badly_standing(kinematics: Kinematics) -> Iterator[tuple[str, str]]:
 def _cannot_swing(kinematics: Kinematics) -> Iterator[tuple[str, str]]:
     robot = kinematics.robot
     for leg, joint in zip(robot.legs, robot.swing_joints, strict=True):
-        lean = float(np.arccos(min(abs(kinematics.axis(joint)[2]), 1.0)))
+        axis, _ = kinematics.hinge(joint)
+        lean = float(np.arccos(min(abs(axis[2]), 1.0)))
         if lean > STEEP:
             yield (
                 f"leg {leg}: the axis of swing joint {joint!r} is "

@@ -54,10 +54,9 @@ class Kinematics:
     def stance(
         self, swing: Array, lift: Array | None = None, legs: Legs = slice(None)
     ) -> Stance:
-        """Feet and centre of mass when each group is swung and raised, (..., G) [rad].
+        """Feet of some legs and centre of mass, groups swung and raised (..., G) [rad].
 
-        The feet are on the ground when `lift` is left out; those of all legs are given
-        unless some are chosen.
+        The feet are on the ground when `lift` is left out.
         """
         swing = np.asarray(swing, dtype=float)
         lift = np.zeros_like(swing) if lift is None else np.asarray(lift, dtype=float)
@@ -136,15 +135,11 @@ class Kinematics:
         model = self.robot.model
         return levelled(model, model.body(self.robot.root).id, self.robot.start_qpos)
 
-    def axis(self, joint: str) -> Array:
-        """Direction of a hinge's axis as the robot stands, shape (3,)."""
+    def hinge(self, joint: str) -> tuple[Array, Array]:
+        """Direction of its axis as the robot stands, and a point on it [m], (3,)."""
         mujoco.mj_kinematics(self.robot.model, self._data)
-        return np.array(self._data.joint(joint).xaxis)
-
-    def anchor(self, joint: str) -> Array:
-        """A point on a hinge's axis as the robot stands, shape (3,) [m]."""
-        mujoco.mj_kinematics(self.robot.model, self._data)
-        return np.array(self._data.joint(joint).xanchor)
+        found = self._data.joint(joint)
+        return np.array(found.xaxis), np.array(found.xanchor)
 
     def _find_center_of_mass(self) -> Array:
         """Bring positions up to date and return the centre of mass, shape (3,)."""

@@ -110,7 +110,7 @@ def strokes(robot: Robot, rate: float) -> tuple[ServoCommands, dict[str, str]]:
     for number, leg in enumerate(robot.leg_cards):
         swing = joints.index(leg.swing)
         room = min(abs(end - rest[swing]) for end in robot.span(leg.swing))
-        turn[swing] = np.sign(kinematics.axis(leg.swing)[2]) * min(SWING, room)
+        turn[swing] = np.sign(kinematics.hinge(leg.swing)[0][2]) * min(SWING, room)
         rise[number, joints.index(leg.lift)] = leg.raise_sign * robot.card.lift_angle
     moves = [turn, rise.sum(axis=0), *rise]
     angles = np.concatenate([rest + move * _bump(rate)[:, None] for move in moves])
@@ -205,7 +205,7 @@ def sheet(robot: Robot, path: Path) -> None:
         axes.set(ylim=(low[1], high[1]), aspect="equal")
         axes.set_axis_off()
         for (leg, card), foot in zip(robot.card.legs.items(), feet, strict=True):
-            hip = kinematics.anchor(card.swing)[:2]
+            hip = kinematics.hinge(card.swing)[1][:2]
             degree = np.radians(1) * np.linalg.norm(foot - hip)
             axes.add_patch(Circle(foot, degree, fill=False))
             axes.plot(*np.array([hip, foot]).T, linewidth=0.5, color="0.5")

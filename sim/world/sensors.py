@@ -22,8 +22,12 @@ SELF_CONTACT = "self_contact"  # sensor of any contact of the robot with itself
 _DATA = mujoco.mjtConDataField
 _FOUND, _FORCE = 1 << int(_DATA.mjCONDATA_FOUND), 1 << int(_DATA.mjCONDATA_FORCE)
 _PLACE, _SPEED = 1 << int(_DATA.mjCONDATA_POS), 1 << int(_DATA.mjCONDATA_LINVEL)
+_GEOM, _SUBTREE = mujoco.mjtObj.mjOBJ_GEOM, mujoco.mjtObj.mjOBJ_XBODY
 _MANY = 4  # contacts of a foot, of which the engine tells
 _SLOTS = {mujoco.mjtGeom.mjGEOM_SPHERE: 1, mujoco.mjtGeom.mjGEOM_CAPSULE: 2}
+
+Part = tuple[mujoco.mjtObj, str]  # kind and name of what touches or is touched
+Told = tuple[int, int]  # fields of a contact, and of how many
 
 
 def ensure_sensors(
@@ -36,16 +40,8 @@ def ensure_sensors(
     slots = {} if uneven else _SLOTS
     for geom in robot.card.feet:
         most = slots.get(spec.geom(geom).type, _MANY)
-        _ensure(
-            spec,
-            name=contact_sensor(geom),
-            type=mujoco.mjtSensor.mjSENS_CONTACT,
-            objtype=mujoco.mjtObj.mjOBJ_GEOM,
-            objname=floor,
-            reftype=mujoco.mjtObj.mjOBJ_GEOM,
-            refname=geom,
-            intprm=[_FOUND | _FORCE | _PLACE | _SPEED, 0, most],
-        )
+        told = _FOUND | _FORCE | _PLACE | _SPEED, most
+        _watch(spec, contact_sensor(geom), (_GEOM, floor), (_GEOM, geom), told)
     _ensure(
         spec,
         name="center_of_mass",
@@ -53,21 +49,21 @@ def ensure_sensors(
         objtype=mujoco.mjtObj.mjOBJ_BODY,
         objname=robot.root,
     )
-    _ensure(
-        spec,
-        name=SELF_CONTACT,
-        type=mujoco.mjtSensor.mjSENS_CONTACT,
-        objtype=mujoco.mjtObj.mjOBJ_XBODY,
-        objname=robot.root,
-        reftype=mujoco.mjtObj.mjOBJ_XBODY,
-        refname=robot.root,
-        intprm=[_FOUND, 0, 1],
-    )
+    _watch(spec, SELF_CONTACT, (_SUBTREE, robot.root), (_SUBTREE, robot.root))
 
 
 def contact_sensor(geom: str) -> str:
     """Name of the contact sensor of a foot geom."""
     return f"contact_{geom}"
+
+
+def _watch(
+    spec: mujoco.MjSpec, name: str, one: Part, other: Part, told: Told = (_FOUND, 1)
+) -> None:
+    """Ensure a sensor of the contacts between two parts."""
+    kind = {"type": mujoco.mjtSensor.mjSENS_CONTACT, "intprm": [told[0], 0, told[1]]}
+    first = {"objtype": one[0], "objname": one[1]}
+    _ensure(spec, name, **kind, **first, reftype=other[0], refname=other[1])
 
 
 def _ensure(spec: mujoco.MjSpec, name: str, **wanted: Any) -> None:
@@ -97,15 +93,7 @@ def add_walls(spec: mujoco.MjSpec, root: str, obstacles: Sequence[Obstacle]) -> 
         for j, piece in enumerate(obstacle.pieces, start=1):
             name = f"{PREFIX}{i}_{j}"
             _add_geom(spec, name, piece, obstacle.height)
-            spec.add_sensor(
-                name=name,
-                type=mujoco.mjtSensor.mjSENS_CONTACT,
-                objtype=mujoco.mjtObj.mjOBJ_GEOM,
-                objname=name,
-                reftype=mujoco.mjtObj.mjOBJ_XBODY,  # its whole subtree
-                refname=root,
-                intprm=[1 << int(mujoco.mjtConDataField.mjCONDATA_FOUND), 0, 1],
-            )
+            _watch(spec, name, (_GEOM, name), (_SUBTREE, root))
 
 
 def _add_geom(spec: mujoco.MjSpec, name: str, piece: Piece, height: float) -> None:

@@ -76,7 +76,7 @@ def test_the_table_of_hips_and_feet_is_the_robot_s():
     for (_, hip, foot, _), leg, stands in zip(
         rows, robot.leg_cards, kinematics.standing.feet, strict=True
     ):
-        anchor = kinematics.anchor(leg.swing)[:2]
+        anchor = kinematics.hinge(leg.swing)[1][:2]
         for shown, place in ((hip, anchor), (foot, stands)):
             millimetres = [float(number) for number in shown.split(",")]
             assert millimetres == pytest.approx(1e3 * place, abs=0.06)
