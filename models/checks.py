@@ -128,7 +128,8 @@ def check_posture(robot: Robot) -> None:
 def _badly_standing(kinematics: Kinematics) -> Iterator[tuple[str, str]]:
     """Problems of the start, each with its remedy."""
     robot = kinematics.robot
-    quat = robot.start_qpos[robot.root_address + 3 : robot.root_address + 7]
+    place = robot.root_address_in(robot.model)
+    quat = robot.start_qpos[place + 3 : place + 7]
     up = np.zeros(3)
     mujoco.mju_rotVecQuat(up, np.array([0.0, 0.0, 1.0]), quat)
     tilt = float(np.arccos(np.clip(up[2], -1, 1)))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -49,12 +49,8 @@ def alternating(
         turns[list(stand.legs)] = stand.turns
         (x, y), most = stand.pivot, np.rad2deg(np.abs(stand.turns).max())
         sense = -1 if y > 0 else 1  # forward for a positive angle
-        swings.append(
-            {
-                i: sense * limbs[i].turn * float(gain)
-                for i, gain in zip(stand.legs, stand.gains, strict=True)
-            }
-        )
+        pairs = zip(stand.legs, stand.gains, strict=True)
+        swings.append({i: sense * limbs[i].turn * float(gain) for i, gain in pairs})
         gains = ", ".join(f"{i + 1} = {gain:.9g}" for i, gain in swings[-1].items())
         lines += ["", f"[group.{name}]  # turns the body about ({x:.4f}, {y:.4f})"]
         lines.append(f"legs = {{ {gains} }}")
@@ -67,7 +63,7 @@ def alternating(
         )
     if reach is not None:
         guesses.append(f"groups swing {reach.swing:.2f} rad either way, {reach.reason}")
-    lines += ["", "[gait]", _strata(["12", "1", "12", "2", "12"])]
+    lines += ["", "[gait]", 'strata = ["12", "1", "12", "2", "12"]']
     pivots = tuple(stand.pivot for stand in pair)
     return GaitDraft(turns, tuple(lines), tuple(guesses), pivots, tuple(swings))
 
@@ -82,10 +78,11 @@ def rowing(limbs: Sequence[Limb], crawl: Crawl) -> GaitDraft:
         f"{name} = {{ legs = {{ {name} = {limb.turn:g} }} }}"
         for name, limb in zip(names, limbs, strict=True)
     ]
-    lines += ["", "[gait]", _strata(strata), f"least_load = {LEAST_LOAD:g}"]
+    lines += ["", "[gait]", f"strata = {json.dumps(strata)}"]
+    lines.append(f"least_load = {LEAST_LOAD:g}")
     for pattern, gains in (("forward", crawl.forward), ("turn", crawl.turning)):
         swings = (f"{n} = {g:.9g}" for n, g in zip(names, gains, strict=True) if g)
-        lines += ["", f"[pattern.{pattern}]", _strata([names])]
+        lines += ["", f"[pattern.{pattern}]", f'strata = ["{names}"]']
         lines.append(f"groups = {{ {', '.join(swings)} }}")
     most = np.rad2deg(np.abs(crawl.turns).max())
     guesses = (
@@ -96,10 +93,6 @@ def rowing(limbs: Sequence[Limb], crawl: Crawl) -> GaitDraft:
     )
     settings = {"lift_time": LIFT_TIME}
     return GaitDraft(crawl.turns, tuple(lines), guesses, settings=settings)
-
-
-def _strata(names: Iterable[str]) -> str:
-    return f"strata = {json.dumps([*names])}"
 
 
 def drafted_lift(pose: Pose, limbs: Sequence[Limb]) -> float:
@@ -118,10 +111,7 @@ def card_text(
     angles: Mapping[str, float],
     servo: Servo | None,
 ) -> str:
-    """The card of a robot as TOML; a servo is for joints that have none.
-
-    Angles are those in which it starts [rad].
-    """
+    """Card of a robot that starts at angles [rad]; the servo is for joints without."""
     lines = [
         'description = "Drafted by stratawalk adopt."',
         f"lift_angle = {drafted_lift(pose, limbs):.4g}",

@@ -1,9 +1,8 @@
 """A crawl: the legs row on the ground, then each is set back while the others stand.
 
 It is for robots of which no two groups of legs can stand alone, such as most on four
-legs. While one leg is in the air the weight must lie inside the feet of the others; in
-the middle between them it lies on the border. Legs are therefore turned at the start,
-and the posture is searched for in which they row farthest and can yet be set back.
+legs. With a leg in the air the weight must lie inside the feet of the others: legs are
+turned at the start, to the posture in which they row farthest and can yet be set back.
 """
 
 from __future__ import annotations
@@ -63,16 +62,13 @@ class _Body:
 
     @classmethod
     def of(cls, pose: Pose, limbs: Sequence[Limb]) -> _Body:
-        model, data = pose.model, pose.data
-        bodies = [int(model.jnt_bodyid[model.joint(m.swing).id]) for m in limbs]
+        model, mass = pose.model, pose.model.body_subtreemass
+        bodies = [int(model.joint(limb.swing).bodyid[0]) for limb in limbs]
         hips = np.array([limb.hip for limb in limbs])
-        return cls(
-            hips=hips,
-            arms=np.array([limb.toe[:2] for limb in limbs]) - hips,
-            weight=pose.center_of_mass[:2],
-            shares=model.body_subtreemass[bodies] / model.body_subtreemass[pose.root],
-            leans=data.subtree_com[bodies][:, :2] - hips,
-        )
+        arms = np.array([limb.toe[:2] for limb in limbs]) - hips
+        leans = pose.data.subtree_com[bodies][:, :2] - hips
+        shares = mass[bodies] / mass[pose.root]
+        return cls(hips, arms, pose.center_of_mass[:2], shares, leans)
 
     def placed(self, turns: Array) -> tuple[Array, Array]:
         """Feet (..., L, 2) and weight (..., 2) with every leg turned, (..., L)."""
@@ -118,18 +114,12 @@ def find_crawl(pose: Pose, limbs: Sequence[Limb], ranges: Array, source: str) ->
             f"are drafted for {FEWEST} to {MOST} legs"
         )
     body = _Body.of(pose, limbs)
-    tries = [
-        replace(crawl, stroke=share * crawl.stroke)
-        for crawl in _postures(body, ranges)
-        for share in SHARES
-        if share * crawl.stroke > SHORTEST
-    ]
-    for crawl in sorted(tries, key=lambda crawl: -crawl.worth):
-        ends = [
-            side * crawl.stroke * gains
-            for gains in (crawl.forward, crawl.turning)
-            for side in (-1, 1)
-        ]
+    every = product(_postures(body, ranges), SHARES)
+    tries = [replace(crawl, stroke=share * crawl.stroke) for crawl, share in every]
+    worthy = (crawl for crawl in tries if crawl.stroke > SHORTEST)
+    for crawl in sorted(worthy, key=lambda crawl: -crawl.worth):
+        ways = product((crawl.forward, crawl.turning), (-1, 1))
+        ends = [side * crawl.stroke * gains for gains, side in ways]
         if _pushes(body, crawl) and all(_moves(body, crawl, e, ranges) for e in ends):
             return crawl
     raise ModelError(
@@ -175,8 +165,7 @@ def _moves(body: _Body, crawl: Crawl, ends: Array, ranges: Array) -> bool:
     places = [np.unique(np.round([0, end, *(s - turn)], 9)) for turn, end, s in every]
     grid = np.stack(np.meshgrid(*places, indexing="ij"), axis=-1)
     feet, weight = body.placed(crawl.turns + grid)
-    legs = range(len(ends))
-    others = [[other for other in legs if other != leg] for leg in legs]
+    others = [np.arange(len(ends)) != leg for leg in range(len(ends))]
     loads = [least_load(feet[..., on, :], weight) for on in others]
     now = [int(np.abs(place).argmin()) for place in places]
     goal = [int(np.abs(p - end).argmin()) for p, end in zip(places, ends, strict=True)]

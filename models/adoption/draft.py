@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
 
@@ -26,13 +26,12 @@ from models.adoption.standing import (
     stands,
 )
 from models.checks import check_places
-from models.description.card import Servo
 from models.description.card_file import parse_card
 from models.description.compiled import compile_model, named, root_body
 from models.description.robot import Robot, start_key
 from models.errors import ModelError
 from models.motion.robot_equations import Mobility, equations, mobility_of
-from planner import Array, PlannerError
+from planner import PlannerError
 
 SHORT = 0.05  # of the longest leg as seen from above: shorter ones push nothing
 SOFT_SHARE = 0.05  # of the stiffness with which a servo sags little
@@ -105,7 +104,14 @@ def draft_card(source: Source) -> Draft:
     suited = drafted_servo(pose, joints, arm, len(limbs))
     found = {joint: servo_stiffness(model, joint) for joint in joints}
     servo = None if all(found.values()) else suited
-    guesses += _guesses(limbs, gait, servo)
+    held = sum(len(limb.hold) for limb in limbs)
+    guesses.append(
+        f"{len(limbs)} legs: joints nearest to the vertical swing, those that raise "
+        f"the foot most lift, {held} further joints are held"
+    )
+    guesses += gait.guesses
+    if servo is not None:
+        guesses.append(f"servos: joints without one hold with {servo}")
     least = SOFT_SHARE * suited.stiffness
     if soft := [joint for joint in joints if 0 < found[joint] < least]:
         guesses.append(
@@ -123,14 +129,17 @@ def _gait(
 ) -> tuple[Stand, Stand] | Crawl:
     """Two groups that stand in turn; a crawl where there are none."""
     arms = np.linalg.norm([limb.toe[:2] - limb.hip for limb in limbs], axis=1)
-    if arms.min() < SHORT * max(float(arms.max()), 1.0e-9):
+    if arms.min() < SHORT * max(float(arms.max()), 1e-9):
         raise ModelError(
             f"foot {limbs[int(arms.argmin())].foot!r} is right below the joint that "
             f"swings it: {source}; a leg pushes with a foot beside its hip, bend it at "
             "the start"
         )
     weight = pose.center_of_mass[:2]
-    room = np.array([_room(pose, limb) for limb in limbs])
+    # how far each leg may turn clockwise and anticlockwise from where it is [rad]
+    spans = [np.array(pose.span(m.swing)) - pose.angle(m.swing) for m in limbs]
+    turns = [limb.turn * span for limb, span in zip(limbs, spans, strict=True)]
+    room = np.sort(turns, axis=1)
     try:
         ways = two_groups(limbs, weight, source)
     except ModelError as alone:
@@ -142,13 +151,6 @@ def _gait(
     return posed(limbs, ways, weight, room, source)
 
 
-def _room(pose: Pose, limb: Limb) -> Array:
-    """How far a leg may turn clockwise and anticlockwise from where it is [rad]."""
-    return np.sort(
-        limb.turn * (np.array(pose.span(limb.swing)) - pose.angle(limb.swing))
-    )
-
-
 def _numbered(limbs: Sequence[Limb]) -> tuple[Limb, ...]:
     """Pairs from front to back, odd numbers left; around the body if not in pairs."""
     middle = np.mean([limb.toe[:2] for limb in limbs], axis=0)
@@ -158,22 +160,8 @@ def _numbered(limbs: Sequence[Limb]) -> tuple[Limb, ...]:
     if len(left) == len(right):
         return tuple(chain.from_iterable(zip(left, right, strict=True)))
     bearings = [np.arctan2(*(limb.toe[:2] - middle)[::-1]) for limb in limbs]
-    return tuple(
-        limbs[i] for i in np.argsort(np.mod(bearings, 2 * np.pi), kind="stable")
-    )
-
-
-def _guesses(
-    limbs: Sequence[Limb], gait: GaitDraft, servo: Servo | None
-) -> Iterator[str]:
-    held = sum(len(limb.hold) for limb in limbs)
-    yield (
-        f"{len(limbs)} legs: joints nearest to the vertical swing, those that raise "
-        f"the foot most lift, {held} further joints are held"
-    )
-    yield from gait.guesses
-    if servo is not None:
-        yield f"servos: joints without one hold with {servo}"
+    order = np.argsort(np.mod(bearings, 2 * np.pi), kind="stable")
+    return tuple(limbs[i] for i in order)
 
 
 UNITS = {"x": "metre forward", "y": "metre sideways", "theta": "radian of yaw"}

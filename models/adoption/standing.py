@@ -26,12 +26,10 @@ BISECTIONS = 30  # of the bisection for the height of a foot
 def stands(pose: Pose, limbs: Sequence[Limb]) -> bool:
     """Whether the feet are on one plane, and nothing else is as low."""
     feet = [pose.model.geom(limb.foot).id for limb in limbs]
-    toes = np.array([pose.bottom(foot) for foot in feet])
-    size = float(np.ptp(toes[:, :2], axis=0).max())
+    *across, height = np.array([pose.bottom(foot) for foot in feet]).T
     others = [pose.bottom(g)[2] for g in pose.solid() if g not in feet]
-    highest = float(toes[:, 2].max())
-    flat = np.ptp(toes[:, 2]) <= UNEVEN_FEET * size
-    return bool(flat and min(others, default=np.inf) > highest)
+    flat = np.ptp(height) <= UNEVEN_FEET * np.ptp(across, axis=1).max()
+    return bool(flat and min(others, default=np.inf) > height.max())
 
 
 def standing_angles(pose: Pose, limbs: Sequence[Limb], source: str) -> dict[str, float]:
@@ -132,9 +130,8 @@ def drafted_servo(pose: Pose, joints: Sequence[str], arm: float, legs: int) -> S
     """A servo for some joints of a robot that stands, critically damped.
 
     Half of the legs are to bear the weight with little sag; the arm is the distance of
-    a foot from its hip [m]. Behind the gears of a stiff servo its rotor weighs more
-    than the leg. Joints without it, in files of mere links as URDF often are, get the
-    rotor as well: the physics step could not follow so little inertia.
+    a foot from its hip [m]. The physics step cannot follow the inertia of a mere leg:
+    joints without the rotor of a stiff servo, as in many a URDF, get that as well.
     """
     model = pose.model
     inertia = np.zeros((model.nv, model.nv))
@@ -150,8 +147,8 @@ def drafted_servo(pose: Pose, joints: Sequence[str], arm: float, legs: int) -> S
 
 def servo_stiffness(model: mujoco.MjModel, joint: str) -> float:
     """Stiffness of the position servo that drives a joint, 0 if none does [N m/rad]."""
-    for actuator in actuators_of(model, joint):
-        gain, bias = model.actuator_gainprm[actuator, 0], model.actuator_biasprm
-        if is_position_servo(gain, bias[actuator, 1]):
-            return float(gain * model.actuator_gear[actuator, 0] ** 2)
+    gain, bias = model.actuator_gainprm[:, 0], model.actuator_biasprm[:, 1]
+    for i in actuators_of(model, joint):
+        if is_position_servo(gain[i], bias[i]):
+            return float(gain[i] * model.actuator_gear[i, 0] ** 2)
     return 0.0

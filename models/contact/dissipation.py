@@ -82,13 +82,10 @@ def least_dissipation_twist(
     speed = np.linalg.norm(rates * on, axis=-1).max(axis=-1)
     unit = np.where(speed > 0, speed, 1.0)[:, None]
     reach = float(np.linalg.norm(feet, axis=-1).max())
-    problem = _Problem(
-        feet=feet / reach,
-        rates=np.where(on, rates / unit[..., None], 0.0),
-        loads=loads / loads.sum(axis=-1, keepdims=True),
-        grip=grip,
-    )
-    return problem.solve() * unit / np.array([1.0, 1.0, reach])
+    moved = np.where(on, rates / unit[..., None], 0.0)
+    shares = loads / loads.sum(axis=-1, keepdims=True)
+    xi = _Problem(feet / reach, moved, shares, grip).solve()
+    return xi * unit / np.array([1.0, 1.0, reach])
 
 
 @dataclass(frozen=True, eq=False)

@@ -185,5 +185,4 @@ class PaperStance:
         The stability margin, to the nearest side, is shorter: the sides are oblique.
         """
         low, high = self.bounds(phi)
-        b = np.asarray(b, dtype=float)
-        return np.minimum(b - low, high - b)
+        return np.minimum(np.subtract(b, low), np.subtract(high, b))

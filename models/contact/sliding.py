@@ -53,13 +53,8 @@ class Ground:
     def under(self, feet: Array) -> Ground:
         """The ground under some of the feet, (F,), bool."""
         own = tuple(np.array(self.frictions)[feet]) if self.frictions else ()
-        return replace(
-            self,
-            contact=self.contact[feet],
-            servo=self.servo[feet],
-            friction=max(own, default=self.friction),
-            frictions=own,
-        )
+        most, springs = max(own, default=self.friction), self.contact[feet]
+        return Ground(springs, self.servo[feet], most, self.weight, self.push, own)
 
     @classmethod
     def of(cls, robot: Robot, model: mujoco.MjModel) -> Ground:
@@ -152,10 +147,8 @@ class _Balance:
 
     def take(self, rows: Array) -> _Balance:
         """Some of the configurations."""
-        names = [f.name for f in fields(self)[1:] if f.name != "grip"]
-        arrays = {name: getattr(self, name)[rows] for name in names}
-        grip = None if self.grip is None else self.grip[rows]
-        return _Balance(self.ground, **arrays, grip=grip)
+        arrays = ((f.name, getattr(self, f.name)) for f in fields(self)[1:])
+        return replace(self, **{n: a[rows] for n, a in arrays if a is not None})
 
     def follow(self, smoothings: Sequence[float]) -> Array:
         """Twists for friction that is smoothed less and less, shape (N, 3).

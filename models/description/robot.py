@@ -192,13 +192,8 @@ class Robot:
         key, model = start_key(self.model), self.model
         return np.array(np.zeros(model.nu) if key is None else model.key_ctrl[key])
 
-    @property
-    def root_address(self) -> int:
-        """Where the free joint's seven numbers begin in qpos."""
-        return self.root_address_in(self.model)
-
     def root_address_in(self, model: mujoco.MjModel) -> int:
-        """Where the free joint's seven numbers begin in qpos of a world."""
+        """Where the free joint's seven numbers begin in qpos of its file or a world."""
         return int(model.jnt_qposadr[model.body(self.root).jntadr[0]])
 
     def weight_in(self, model: mujoco.MjModel) -> float:
@@ -233,12 +228,9 @@ class Robot:
 
     def position_servos_of(self, joint: str) -> list[int]:
         """Indices of the file's position servos that drive a joint."""
-        gain, bias = self.model.actuator_gainprm, self.model.actuator_biasprm
-        return [
-            i
-            for i in actuators_of(self.model, joint)
-            if is_position_servo(gain[i, 0], bias[i, 1])
-        ]
+        model, own = self.model, actuators_of(self.model, joint)
+        gain, bias = model.actuator_gainprm[:, 0], model.actuator_biasprm[:, 1]
+        return [i for i in own if is_position_servo(gain[i], bias[i])]
 
     def _armature(self, joint: str) -> float:
         """Inertia of the rotor behind a joint's gears, of file or card [kg m^2]."""

@@ -70,12 +70,11 @@ class Equations:
     @property
     def strokes(self) -> dict[str, float]:
         """How far each field swings from one end of the joint range to the other."""
-        widths = [high - low for low, high in self.limits.values()]
-        strokes = {}
-        for name, direction in self.swings.items():
-            shares = zip(widths, direction, strict=True)
-            strokes[name] = min(width / abs(rate) for width, rate in shares if rate)
-        return strokes
+        widths = np.ptp(list(self.limits.values()), axis=1)
+        return {
+            name: float(min(w / abs(r) for w, r in zip(widths, way, strict=True) if r))
+            for name, way in self.swings.items()
+        }
 
     def stride(self, field: str) -> float:
         """Way of the body's centre per unit of a field [m]."""
@@ -254,8 +253,8 @@ def _reason(robot: Robot, described: Equations) -> str:
             "parallel and carry it straight along"
         )
     if all(turning):
-        pivots = [(-left / yaw, forward / yaw) for forward, left, yaw in twists]
-        (x, y), (u, v) = pivots  # points of the body that strokes leave in place [m]
+        # points of the body that strokes leave in place [m]
+        (x, y), (u, v) = [(-left / yaw, ahead / yaw) for ahead, left, yaw in twists]
         apart = hypot(x - u, y - v)
         return (
             f"both strokes turn the body about nearly the same point, ({x:z.3f}, "

@@ -71,7 +71,7 @@ def _fell(evidence: Evidence, judged: Array) -> Found:
     moments, kinematics = walk.recording.moments, walk.setup.kinematics
     height = float(kinematics.center_of_mass[2] - kinematics.standing.height.min())
     lost = weight[evidence.walking][0] - weight
-    leaning = tilt(moments.qpos, walk.setup.robot.root_address)
+    leaning = tilt(moments.qpos, walk.setup.robot.root_address_in(walk.setup.model))
     down = judged & ((leaning > TILTED) | (lost > LOW * height))
     if not down.any():
         return None

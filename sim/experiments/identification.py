@@ -126,7 +126,7 @@ def swing(setup: Setup, field: str, span: float) -> tuple[Array, Array, float]:
 
 def _check(setup: Setup, stratum: str, way: Moments) -> None:
     """Refuse a swing during which mostly other feet than the stratum's stood."""
-    leaning = float(tilt(way.qpos, setup.robot.root_address).max())
+    leaning = float(tilt(way.qpos, setup.robot.root_address_in(setup.model)).max())
     if leaning > UPRIGHT:
         raise MeasurementError(
             f"on S{stratum} the robot tilts by {np.rad2deg(leaning):.3g} degrees"

@@ -18,7 +18,7 @@ from models import Kinematics, TwistModel
 from models.motion import Strokes
 from planner import Array
 from sim.motion.poses import compose
-from sim.motion.schedule import Phase, Schedule
+from sim.motion.schedule import Schedule
 from sim.motion.stability import stability_margin
 
 STEP = 0.02  # [rad] that the legs swing at most between inspections
@@ -85,7 +85,7 @@ class Predictor:
     def configurations(self, rows: Array) -> tuple[Array, Array, Array]:
         """Pose (T, 3), and commanded swing and lift of every group (T, G) [rad]."""
         swing, lift = self.schedule.angles(rows)
-        clock = _clock(self.schedule, self._loaded, self.schedule.phase_of(rows), swing)
+        clock = self._clock(self.schedule.phase_of(rows), swing)
         return compose(self.start_pose, self._path.pose(clock)), swing, lift
 
     def __call__(self, rows: Array) -> Prediction:
@@ -93,38 +93,28 @@ class Predictor:
         return self.along(commanded(self.schedule, rows, self.kinematics))
 
     def along(self, given: Commanded) -> Prediction:
-        """Predict the motion at steps whose commands are known already.
+        """Predict the motion at steps whose commands are known already."""
+        clock = self._clock(given.phase, given.swing)
+        pose = compose(self.start_pose, self._path.pose(clock))
+        return Prediction(pose, self._path.slip(clock), given.margin, given.contact)
 
-        Several predictions of one schedule share them.
-        """
-        clock = _clock(self.schedule, self._loaded, given.phase, given.swing)
-        return Prediction(
-            pose=compose(self.start_pose, self._path.pose(clock)),
-            slip=self._path.slip(clock),
-            margin=given.margin,
-            contact=given.contact,
-        )
-
-
-def _clock(schedule: Schedule, loaded: Array, phase: Array, swing: Array) -> Array:
-    """Each row's moment on the clock of the strokes, shape (T,)."""
-    begin, change = schedule.trajectories[0]
-    before = np.cumsum(loaded) - loaded  # strokes finished before each phase
-    length = np.where(loaded, (change**2).sum(axis=1), 1.0)
-    gone = ((swing - begin[phase]) * change[phase]).sum(axis=1) / length[phase]
-    return before[phase] + np.where(loaded[phase], gone, 0.0)
+    def _clock(self, phase: Array, swing: Array) -> Array:
+        """Each row's moment on the clock of the strokes, shape (T,)."""
+        (begin, change), loaded = self.schedule.trajectories[0], self._loaded
+        before = np.cumsum(loaded) - loaded  # strokes finished before each phase
+        length = np.where(loaded, (change**2).sum(axis=1), 1.0)
+        gone = ((swing - begin[phase]) * change[phase]).sum(axis=1) / length[phase]
+        return before[phase] + np.where(loaded[phase], gone, 0.0)
 
 
 def inspections(schedule: Schedule) -> Array:
     """Steps, counted from the start of the run, to inspect the state after, (L,)."""
-    found = [_of_phase(phase) for phase in schedule.phases]
-    return 1 + np.concatenate(found) if found else np.zeros(0, dtype=int)
-
-
-def _of_phase(phase: Phase) -> Array:
-    samples = LIFTS
-    if phase.kind == "swing":
-        farthest = abs(phase.amount) * max(map(abs, phase.direction))
-        samples = 1 + int(np.ceil(farthest / STEP))
-    ends = np.linspace(0, phase.steps - 1, min(samples, phase.steps) + 1)[1:]
-    return phase.start + np.unique(ends.round().astype(int))
+    found = [np.zeros(0, dtype=int)]
+    for phase in schedule.phases:
+        samples = LIFTS
+        if phase.kind == "swing":
+            farthest = abs(phase.amount) * max(map(abs, phase.direction))
+            samples = 1 + int(np.ceil(farthest / STEP))
+        ends = np.linspace(0, phase.steps - 1, min(samples, phase.steps) + 1)[1:]
+        found.append(1 + phase.start + np.unique(ends.round().astype(int)))
+    return np.concatenate(found)

@@ -66,12 +66,6 @@ def carrying(points: Array, contact: Array, center_of_mass: Array) -> Array:
     return contact | (nearest & ~standing[:, None])
 
 
-def _way(places: Array, since: Array) -> Array:
-    """An upper bound on the distance from earlier places, (T, ..., 2) to (T, ...)."""
-    step = np.abs(places - places[since])
-    return step[..., 0] + step[..., 1]
-
-
 class LeastMargin:
     """The least stability margin of many states, without computing all margins.
 
@@ -89,15 +83,15 @@ class LeastMargin:
         """Add further states; arguments are those of `stability_margin`."""
         count = np.arange(len(points))
         changed = (contact[1:] != contact[:-1]).any(axis=1)
-        anchors = (count % self.STRIDE == 0) | np.append(False, changed)
-        known = stability_margin(
-            points[anchors], contact[anchors], center_of_mass[anchors]
-        )
+        on = (count % self.STRIDE == 0) | np.append(False, changed)  # anchors
+        known = stability_margin(points[on], contact[on], center_of_mass[on])
         self.value = min(self.value, float(known.min()))
-        of = np.cumsum(anchors) - 1  # the anchor before each state
-        at = count[anchors][of]
-        moved = _way(points, at).max(axis=1) + _way(center_of_mass, at)
-        near = ~anchors & (known[of] - moved < self.value)
+        of = np.cumsum(on) - 1  # the anchor before each state
+        at = count[on][of]
+        feet, weight = (np.abs(p - p[at]) for p in (points, center_of_mass))
+        moved = (feet[..., 0] + feet[..., 1]).max(axis=1)  # at most, as the weight did
+        moved += weight[:, 0] + weight[:, 1]
+        near = ~on & (known[of] - moved < self.value)
         if near.any():
             margin = stability_margin(points[near], contact[near], center_of_mass[near])
             self.value = min(self.value, float(margin.min()))

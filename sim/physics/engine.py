@@ -1,7 +1,7 @@
 """The engine: steps a model through given commands, in stretches of many steps.
 
-There is no Python loop over single steps. MuJoCo raises no error when a simulation
-diverges; its warnings are therefore checked after every stretch.
+MuJoCo raises no error when a simulation diverges; its warnings are therefore checked
+after every stretch.
 """
 
 from __future__ import annotations
@@ -128,11 +128,7 @@ class Engine:
             raise failure
 
     def _runaway(self, qvel: Array) -> str:
-        """Which joint was too fast first, in words, the root apart, by the last speeds.
-
-        A warning names the first coordinate of those that are bad at the same time,
-        which is the root's as a rule, whatever threw it.
-        """
+        """Which joint was too fast first, in words; the root, which others throw, apart."""
         joints = self.model.dof_jntid
         own = self.model.jnt_type[joints] != mujoco.mjtJoint.mjJNT_FREE
         speed = np.where(own, np.abs(qvel), 0.0)

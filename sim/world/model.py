@@ -114,7 +114,7 @@ def ensure_start(spec: mujoco.MjSpec, robot: Robot, floor: Floor) -> float:
     down = float(kinematics.standing.height.min() - floor.height)
     down = down if abs(down) > AJAR else 0.0
     qpos = kinematics.level_qpos
-    qpos[robot.root_address + 2] -= down
+    qpos[robot.root_address_in(robot.model) + 2] -= down
     for joint in spec.joints:
         if joint.name.startswith((BACKLASH, BAND)):
             qpos = np.insert(qpos, place, 0.0)
