@@ -73,16 +73,14 @@ def shipped_system(name: str, values: Mapping[str, object] | None = None) -> Pro
         >>> shipped_system("finger-gaiting", {"fingers": 4}).gait[0]
         '1234'
     """
-    values = values or {}
-    maker, defaults = _maker(name), parameters(name)
+    values, maker, defaults = values or {}, _maker(name), parameters(name)
     kinds = get_type_hints(maker)
     try:
         for key, value in values.items():
             if key not in defaults:
                 none = "is unknown; it has none"
-                raise ValueError(
-                    f"{key} {unknown(key, defaults) if defaults else none}"
-                )
+                what = unknown(key, defaults) if defaults else none
+                raise ValueError(f"{key} {what}")
             if not _fits(value, kinds[key]):
                 kind = KINDS.get(kinds[key], "a number")
                 raise ValueError(f"{key} is {value!r}; give {kind}")
@@ -252,13 +250,10 @@ def _system(
         stratum: {name: column(name, rates) for name, rates in fields.values.items()}
         for stratum, fields in table.tables("strata").items()
     }
-    sets = table.table("level_sets")
-    level_sets = {
-        stratum: tuple(
-            formula(f"level set of S{stratum}", f) for f in sets.list(stratum)
-        )
-        for stratum in sets.values
-    }
+    sets, level_sets = table.table("level_sets"), {}
+    for stratum in sets.values:
+        what = f"level set of S{stratum}"
+        level_sets[stratum] = tuple(formula(what, f) for f in sets.list(stratum))
     bottom = str(table.values.get("bottom", next(iter(strata), "")))
     metric, raising = table.gains("metric"), table.table("lifts")
     lifts = {stratum: raising.texts(stratum) for stratum in raising.values}

@@ -52,10 +52,9 @@ def paper_hexapod(
         >>> paper_hexapod().elements
         ('g12_1', 'g12_2', 'g1_2', 'g2_1', '[g12_1,g12_2]')
     """
-    first: Twist = (stride, 0, yaw_gain)
     turn = yaw_gain if yaw_gain_2 is None else yaw_gain_2
-    second: Twist = (stride if stride_2 is None else stride_2, 0, -turn)
-    down = {"12": {"1": first, "2": second}, "1": {"1": first}, "2": {"2": second}}
+    second = stride if stride_2 is None else stride_2
+    down = _tripods((stride, 0, yaw_gain), (second, 0, -turn))
     return Problem(
         name="paper-hexapod",
         description="the paper's hexapod in tripods, sideways as in Fig. 6",
@@ -67,15 +66,17 @@ def paper_hexapod(
     )
 
 
+def _tripods(first: Twist, second: Twist) -> dict[str, dict[str, Twist]]:
+    """Body twists of the groups in contact, on each stratum that has any."""
+    return {"12": {"1": first, "2": second}, "1": {"1": first}, "2": {"2": second}}
+
+
 def hexapod_with_trailer(length: float = 1, heights: bool = True) -> Problem:
     """The paper's hexapod with a trailer hitched to its middle; needs degree 3.
 
     Its axle is that far from the hitch, in the hexapod's units.
     """
-    first: Twist = (1, 0, 1)
-    second: Twist = (1, 0, -1)
-    down = {"12": {"1": first, "2": second}, "1": {"1": first}, "2": {"2": second}}
-    sideways = "[g1_1,g2_2]"
+    down, sideways = _tripods((1, 0, 1), (1, 0, -1)), "[g1_1,g2_2]"
     return Problem(
         name="hexapod-trailer",
         description="the paper's hexapod with a trailer; degree 3, needs --replan",
@@ -178,12 +179,9 @@ def shared(feet: Feet, strata: Sequence[str]) -> Strata:
 
     def twist(stratum: str, group: str) -> Twist:
         planted = [(owner, x, y) for owner in stratum for x, y in feet[owner]]
-        slip = sp.Matrix(
-            [row for _, x, y in planted for row in ([1, 0, -y], [0, 1, x])]
-        )
-        swing = sp.Matrix(
-            [v for owner, *_ in planted for v in (int(owner == group), 0)]
-        )
+        rows = [row for _, x, y in planted for row in ([1, 0, -y], [0, 1, x])]
+        swung = [v for owner, *_ in planted for v in (int(owner == group), 0)]
+        slip, swing = sp.Matrix(rows), sp.Matrix(swung)
         forward, left, yaw = (slip.T * slip).LUsolve(slip.T * swing)
         return forward, left, yaw
 

@@ -59,27 +59,21 @@ def car_with_trailers(trailers: int = 1, length: float = 1) -> Problem:
         )
     x, y, phi = sp.symbols("x y phi")
     headings = sp.symbols(f"theta_0:{trailers + 1}")
-    following = []
-    speed = sp.S.One  # of the axle before
+    following, speed = [], sp.S.One  # of the axle before
     for before, heading in pairwise(headings):
         following.append(speed * sp.sin(before - heading) / length)
         speed *= sp.cos(before - heading)
     forward = [sp.cos(headings[0]), sp.sin(headings[0]), sp.tan(phi) / length]
-    towed = headings[1:]
+    drive, steer = [*forward, *following, 0], [*[0] * (3 + trailers), 1]
+    back, aside = (sp.Add(*map(part, headings[1:])) for part in (sp.cos, sp.sin))
     return smooth(
         name="car-trailers",
         description="a car with trailers, parked sideways; one degree more for each",
         state=["x", "y", *map(str, headings), "phi"],
-        fields={
-            "drive": [*forward, *following, 0],
-            "steer": [*[0] * (3 + trailers), 1],
-        },
+        fields={"drive": drive, "steer": steer},
         goal={"y": 0.01},
         segments=4,
-        flat=FlatOutputs(
-            along=x - length * sp.Add(*map(sp.cos, towed)),
-            across=y - length * sp.Add(*map(sp.sin, towed)),
-        ),
+        flat=FlatOutputs(along=x - length * back, across=y - length * aside),
     )
 
 

@@ -128,7 +128,7 @@ class Engine:
             raise failure
 
     def _runaway(self, qvel: Array) -> str:
-        """Which joint was too fast first, in words, but the root, which others throw."""
+        """Which joint ran away first, in words; not the root, which others throw."""
         joints = self.model.dof_jntid
         own = self.model.jnt_type[joints] != mujoco.mjtJoint.mjJNT_FREE
         speed = np.where(own, np.abs(qvel), 0.0)
