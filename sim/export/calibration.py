@@ -89,12 +89,12 @@ def card_with(text: str, servos: Mapping[str, JointServo], clock: float | None) 
     if clock is not None:
         lines += ["", "[board]", f"clock = {clock:.0f}  # [Hz], measured"]
     for joint, servo in servos.items():
-        lines += ["", f"[servo.{toml_key(joint)}]"]
-        numbers = ((name, getattr(servo, name)) for name in NUMBERS)
-        lines += [
-            f"{name} = {value:.8g}" for name, value in numbers if value is not None
+        found = ((name, getattr(servo, name)) for name in NUMBERS)
+        numbers = [
+            f"{name} = {value:.8g}" for name, value in found if value is not None
         ]
-        lines += [f"limits = {list(servo.limits)}"] if servo.limits else []
+        limits = [f"limits = {list(servo.limits)}"] if servo.limits else []
+        lines += ["", f"[servo.{toml_key(joint)}]", *numbers, *limits]
     return "\n".join([*lines, ""])
 
 
@@ -113,8 +113,10 @@ def strokes(robot: Robot, rate: float) -> tuple[ServoCommands, dict[str, str]]:
         turn[swing] = np.sign(kinematics.hinge(leg.swing)[0][2]) * min(SWING, room)
         rise[number, joints.index(leg.lift)] = leg.raise_sign * robot.card.lift_angle
     moves = [turn, rise.sum(axis=0), *rise]
-    angles = np.concatenate([rest + move * _bump(rate)[:, None] for move in moves])
-    each = len(angles) / len(moves) / rate
+    slope = np.linspace(0, 1, round(SECONDS * rate))  # to and fro, with a while at both
+    bump = np.concatenate([slope, 0 * slope + 1, slope[::-1], 0 * slope])[:, None]
+    angles = np.concatenate([rest + move * bump for move in moves])
+    each = len(bump) / rate
     told = {
         f"0 to {each:.0f} s": "every leg turns anticlockwise, seen from above, and "
         "back; one that turns the other way has a wrong sign",
@@ -124,13 +126,6 @@ def strokes(robot: Robot, rate: float) -> tuple[ServoCommands, dict[str, str]]:
         "come down on their rings, which are a degree wide",
     }
     return ServoCommands(tuple(joints), rate, angles), told
-
-
-def _bump(rate: float) -> Array:
-    """From 0 to 1, a while, back to 0, a while; in `SECONDS` each."""
-    slope = np.linspace(0, 1, round(SECONDS * rate))
-    flat = np.ones_like(slope)
-    return np.concatenate([slope, flat, slope[::-1], 0 * flat])
 
 
 WIDTH, HEIGHT = 420, 300  # of one angle's picture [pixels]
@@ -143,8 +138,8 @@ SHEET_EDGE = 0.02  # around the sheet's feet [m]
 
 def draw(robot: Robot, folder: Path, *, allow_external: bool) -> None:
     """Draw `JOINT.png` for every joint of the legs; RenderError where nothing can."""
-    words = [str(robot.path), str(folder), *(["external"] if allow_external else [])]
-    done = gl.child(gl.probe(), LIMIT, *words, module="sim.export.calibration")
+    words = [str(robot.path), str(folder), *["external"] * allow_external]
+    done = gl.child(gl.probe(), LIMIT, *words, module=__spec__.name)
     if done.returncode:
         last = (done.stderr.splitlines() or ["no picture"])[-1]
         raise RenderError("cannot draw the joints", last, "go on without pictures")
@@ -179,11 +174,10 @@ def _draw(robot: Robot, folder: Path) -> None:
 
 def _carried(model: mujoco.MjModel, body: int) -> Array:
     """Geoms of a body and of all that hang on it, shape (n,)."""
-    parents, on = model.body_parentid, {body}
-    for child in range(body + 1, len(parents)):
-        if parents[child] in on:
-            on.add(child)
-    return np.flatnonzero(np.isin(model.geom_bodyid, list(on)))
+    on = [body]
+    for child in range(body + 1, model.nbody):
+        on += [child] * (model.body_parentid[child] in on)
+    return np.flatnonzero(np.isin(model.geom_bodyid, on))
 
 
 def sheet(robot: Robot, path: Path) -> None:

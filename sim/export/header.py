@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from itertools import islice
 from textwrap import wrap
 
 import numpy as np
@@ -110,9 +111,7 @@ static inline uint8_t {name}_next(uint16_t *row) {{
 #endif
 """
 SIZES = re.compile(r"^#define \w+_(RATE|FRAME_RATE|COMMANDS|JOINTS) (\S+)", re.M)
-BYTES = re.compile(
-    r"^static const uint8_t PROGMEM \w+\[\d+\] = \{\n(.*?)\n\};", re.S | re.M
-)
+BYTES = re.compile(r"^static const uint8_t PROGMEM \w+\[\d+\] = \{\n([^}]*)\n\};", re.M)
 CHANNELS = re.compile(r"^static const uint8_t \w+_channel\[\d+\] = \{(.*?)\};", re.M)
 
 
@@ -127,6 +126,7 @@ def write_header(
     names, packed = {"name": name, "NAME": name.upper()}, pack(counts)
     call = (MICROSECONDS if table.microseconds else COUNTS).format(**names)
     numbers = [str(servo.channel) for servo in table.channels]
+    listed = [f"//   {s.channel:2}  {in_comment(s.joint)}" for s in table.channels]
     return HEADER.format(
         **names,
         title=in_comment(title),
@@ -137,9 +137,7 @@ def write_header(
         clock=round(table.clock),
         size=len(packed),
         unit="in microseconds" if table.microseconds else "in counts of 4096 a frame",
-        listed="\n".join(
-            f"//   {s.channel:2}  {in_comment(s.joint)}" for s in table.channels
-        ),
+        listed="\n".join(listed),
         player=PLAYER.format(**names, file=in_comment(file), call=call),
         channels=", ".join(numbers),
         bytes="\n".join(wrap(",".join(map(str, packed)).replace(",", ", "), WIDTH)),
@@ -185,9 +183,8 @@ def _changes(steps: Array, row: Array) -> Iterator[int]:
 def unpack(packed: bytes, joints: int) -> Array:
     """The counts of such bytes, (K, J)."""
     rows, row, stream = [], np.zeros(joints, dtype=int), iter(packed)
-    masks = (joints + 7) // 8
     for held in stream:
-        mask = np.array([next(stream) for _ in range(masks)], dtype=np.uint8)
+        mask = np.array([*islice(stream, (joints + 7) // 8)], dtype=np.uint8)
         row = row.copy()
         for i in np.flatnonzero(np.unpackbits(mask, bitorder="little")[:joints]):
             step = next(stream)

@@ -45,14 +45,12 @@ class Channel:
     def counts(self, angle: Array) -> Array:
         """Counts of angles, not rounded."""
         turned = self.sign * self.counts_per_radian * (angle - self.offset)
-        counts: Array = self.center + turned
-        return counts
+        return self.center + turned
 
     def angle(self, counts: Array) -> Array:
         """Angles of counts [rad]."""
         turned = self.sign * (counts - self.center) / self.counts_per_radian
-        angle: Array = self.offset + turned
-        return angle
+        return self.offset + turned
 
 
 @dataclass(frozen=True, slots=True)
@@ -237,14 +235,14 @@ def read_ros_table(path: Path) -> dict[str, JointServo]:
     if not (isinstance(servos, list) and servos):
         raise UsageError("no servos", str(path), REMEDY)
     table: dict[str, JointServo] = {}
-    for number, servo in enumerate(servos, start=1):
-        try:
-            joint, read_servo = _servo(Table(servo, f"servo {number}"))
+    try:
+        for number, servo in enumerate(servos, start=1):
+            joint, found = _servo(Table(servo, f"servo {number}"))
             if joint in table:
                 raise ValueError(f"servo {number}: {joint!r} is there twice")
-        except ValueError as error:
-            raise UsageError(str(error), str(path), REMEDY) from error
-        table[joint] = read_servo
+            table[joint] = found
+    except ValueError as error:
+        raise UsageError(str(error), str(path), REMEDY) from error
     return table
 
 
