@@ -8,7 +8,15 @@ from itertools import chain
 
 import numpy as np
 
-from models.adoption.anatomy import Limb, Pose, find_limbs
+from models.adoption.anatomy import (
+    Limb,
+    Pose,
+    drafted_servo,
+    find_limbs,
+    servo_stiffness,
+    standing_angles,
+    stands,
+)
 from models.adoption.card_text import (
     GaitDraft,
     alternating,
@@ -19,12 +27,6 @@ from models.adoption.card_text import (
 from models.adoption.crawl import Crawl, find_crawl
 from models.adoption.groups import Stand, free_reach, posed, two_groups
 from models.adoption.source import Source
-from models.adoption.standing import (
-    drafted_servo,
-    servo_stiffness,
-    standing_angles,
-    stands,
-)
 from models.checks import check_places
 from models.description.card_file import parse_card
 from models.description.compiled import compile_model, named, root_body

@@ -4,21 +4,118 @@ The body is held level in the pose of keyframe `start`, and angles are relative 
 pose. A leg turns rigidly about two hinges. Every coordinate of its foot, of the foot's
 velocities and of its share of the centre of mass is therefore exactly a combination of
 (1, cos, sin) of one angle times (1, cos, sin) of the other: nine samples determine it.
+
+A foot stands on its sole, the lowest points of its geoms when the robot stands. A geom
+is a convex core widened by a radius: a sphere is a point, a capsule a segment, a box or
+a mesh the hull of its corners. Cylinders and ellipsoids have no such core, but can be
+covered by a capsule and a box. A round geom touches the floor vertically below a point
+that is fixed in the leg; one with edges or corners touches with these.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import product
 
 import mujoco
 import numpy as np
 
-from models.contact.soles import Sole, find_sole
 from models.description.card import LegCard
 from models.description.compiled import levelled
 from models.description.robot import Robot
+from models.errors import ModelError
 from planner import Array
+
+Geom = mujoco.mjtGeom
+_CORNERS = np.array(list(product((-1.0, 1.0), repeat=3)))
+
+
+@dataclass(frozen=True, slots=True)
+class Core:
+    """Points whose convex hull, widened by a radius, is a geom."""
+
+    points: Array  # in the geom's frame, (k, 3) [m]
+    radius: float = 0.0  # [m]
+
+
+def covering_core(model: mujoco.MjModel, geom: int) -> Core | None:
+    """The core of a geom, if any; a cylinder's capsule, the box of an ellipsoid."""
+    size = model.geom_size[geom]
+    match model.geom_type[geom]:
+        case Geom.mjGEOM_SPHERE:
+            return Core(np.zeros((1, 3)), float(size[0]))
+        case Geom.mjGEOM_CAPSULE | Geom.mjGEOM_CYLINDER:
+            return Core(_ends(size), float(size[0]))
+        case Geom.mjGEOM_BOX | Geom.mjGEOM_ELLIPSOID:
+            return Core(_CORNERS * size)
+        case Geom.mjGEOM_MESH:
+            mesh = model.geom_dataid[geom]
+            first, count = model.mesh_vertadr[mesh], model.mesh_vertnum[mesh]
+            return Core(model.mesh_vert[first : first + count].astype(float))
+    return None
+
+
+def _ends(size: Array) -> Array:
+    return np.array([(0, 0, -size[1]), (0, 0, size[1])])
+
+
+TIED = 1e-4  # [m]; points that are this close to the lowest one touch as well
+
+
+@dataclass(frozen=True)
+class Sole:
+    """Points of a leg; the floor acts below their mean."""
+
+    geoms: Array  # geom that each belongs to, (n,)
+    points: Array  # in that geom's frame, (n, 3) [m]
+    depth: float  # distance from the points down to the floor [m]
+
+    def touch(self, data: mujoco.MjData) -> Array:
+        """Contact point of the foot, provided that it touches, shape (3,)."""
+        return self.placed(data).mean(axis=0) - (0.0, 0.0, self.depth)
+
+    def placed(self, data: mujoco.MjData) -> Array:
+        """Its points in the world, shape (n, 3)."""
+        turns = data.geom_xmat[self.geoms].reshape(-1, 3, 3)
+        return data.geom_xpos[self.geoms] + np.einsum("nij,nj->ni", turns, self.points)
+
+
+def find_sole(model: mujoco.MjModel, data: mujoco.MjData, foot: Sequence[str]) -> Sole:
+    """The sole of a foot with these geoms, as the robot stands."""
+    numbers = [model.geom(name).id for name in foot]
+    cores = [_lowest_core(model, data, geom) for geom in numbers]
+    counts = [len(core.points) for core in cores]
+    geoms = np.repeat(numbers, counts)
+    depths = np.repeat([core.radius for core in cores], counts)
+    points = np.concatenate([core.points for core in cores])
+    bottom = Sole(geoms, points, 0.0).placed(data)[:, 2] - depths
+    lowest = bottom <= bottom.min() + TIED
+    return Sole(geoms[lowest], points[lowest], float(depths[lowest].mean()))
+
+
+def _lowest_core(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> Core:
+    """The core of a geom; of a cylinder or ellipsoid its lowest points.
+
+    Those of a cylinder are on its two rims, or their middles where it stands upright.
+    """
+    size, kind = model.geom_size[geom], model.geom_type[geom]
+    down = -data.geom_xmat[geom].reshape(3, 3)[2]  # in the geom's frame
+    if kind == Geom.mjGEOM_CYLINDER:
+        across = np.append(down[:2], 0.0)
+        length = float(np.linalg.norm(across))
+        return Core(_ends(size) + across * (size[0] / length if length > 1e-6 else 0.0))
+    if kind == Geom.mjGEOM_ELLIPSOID:
+        return Core((size**2 * down / np.linalg.norm(size * down))[None])
+    if (core := covering_core(model, geom)) is not None:
+        return core
+    shape = Geom(kind).name.removeprefix("mjGEOM_").lower()
+    raise ModelError(
+        f"foot {model.geom(geom).name!r} is a {shape}: give it a sphere, a capsule, a "
+        "box, a cylinder, an ellipsoid or a mesh to stand on"
+    )
+
 
 UPRIGHT = np.deg2rad(3)  # smaller tilts change lengths by less than 0.2 %
 _ANGLES = 2 * np.pi / 3 * np.arange(3)
@@ -61,10 +158,9 @@ class Kinematics:
         swing = np.asarray(swing, dtype=float)
         lift = np.zeros_like(swing) if lift is None else np.asarray(lift, dtype=float)
         robot = self.robot
-        turned, raised = robot.joint_angles(swing, lift)  # (..., F)
         turn, rise = (  # (..., F, 3) each
             np.stack([np.ones_like(angle), np.cos(angle), np.sin(angle)], axis=-1)
-            for angle in (turned, raised)
+            for angle in robot.joint_angles(swing, lift)
         )
         every: tuple[Legs, ...] = (legs, legs, legs, slice(None))
         feet, swung, lifted, weight = (

@@ -1,18 +1,167 @@
-"""Compilation of MJCF with errors of one line, and look-ups in the compiled model."""
+"""Compilation of MJCF with errors of one line, its checks, and look-ups in the result.
+
+Names and numbers are checked in the text and after compilation: the compiler accepts
+most NaN and infinity and silently replaces some by defaults. It also takes text that is
+not UTF-8, which nothing can write down again.
+"""
 
 from __future__ import annotations
 
+import html
+import math
+import re
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
 
-from models.description.numbers import check_model, check_names
+from models.description.table import is_plain
 from models.errors import ModelError
 from planner import Array
+
+UNDECODED = re.compile("[\udc80-\udcff]")  # bytes that are not UTF-8
+COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+TAG = re.compile(r"<([A-Za-z_][\w.-]*)((?:[^<>\"']|\"[^\"]*\"|'[^']*')*)>")
+ATTRIBUTE = re.compile(r"([\w.:-]+)\s*=\s*(\"[^\"]*\"|'[^']*')")
+TEXTS = ("name", "class", "childclass", "model", "prefix", "dclass")  # may say "nan"
+SECTIONS = ("opt", "vis", "stat")  # of a compiled model, beside its arrays
+QUATERNIONS = {int(mujoco.mjtJoint.mjJNT_FREE): 3, int(mujoco.mjtJoint.mjJNT_BALL): 0}
+"""Joints with a quaternion, and where in their coordinates it begins."""
+DERIVED = re.compile("0$|^bvh_|^oct_|^geom_aabb|^geom_rbound|mass$|inertia$")
+WORDS = {"jnt": "joint", "tex": "texture", "cam": "camera", "mat": "material"}
+
+
+def check_text(path: Path) -> None:
+    """Refuse an MJCF file with a number that is not finite, or text that is not UTF-8.
+
+    Comments may have anything in them.
+    """
+    text = path.read_bytes().decode(errors="surrogateescape")
+    text = COMMENT.sub(lambda comment: "\n" * comment[0].count("\n"), text)
+    if odd := UNDECODED.search(text):
+        byte, line = ord(odd[0]) - 0xDC00, text.count("\n", 0, odd.start()) + 1
+        raise ModelError(
+            f"byte {byte:#x} is no text in UTF-8: {path}, line {line}; save it as such"
+        )
+    for tag in TAG.finditer(text):
+        found = ATTRIBUTE.findall(tag[2])
+        attributes = {name: html.unescape(value[1:-1]) for name, value in found}
+        own = attributes.get("name")
+        element = f"<{tag[1]}> {own!r}" if own else f"<{tag[1]}>"
+        for name, value in attributes.items():
+            if name not in TEXTS and _is_bad(value):
+                line = text.count("\n", 0, tag.start()) + 1
+                raise ModelError(
+                    f"{name} of {element} is {value!r}, which is not finite: "
+                    f"{path}, line {line}; give it a number"
+                )
+
+
+def _is_bad(value: str) -> bool:
+    """Whether a text is made of numbers, not all of them finite."""
+    try:
+        return not all([math.isfinite(float(word)) for word in value.split()])
+    except ValueError:
+        return False
+
+
+def check_model(model: mujoco.MjModel, source: str) -> None:
+    """Refuse a compiled model with a number that is not finite."""
+    for what in _not_finite(model):
+        raise ModelError(f"{what} is not finite: {source}; give it a number")
+
+
+def _not_finite(model: mujoco.MjModel) -> Iterator[str]:
+    for name in _float_arrays():
+        array = getattr(model, name)
+        if array.size and not np.isfinite(array).all():
+            row = int(np.argwhere(~np.isfinite(array))[0, 0])
+            yield f"{name} of {_owner(model, name, row)}"
+    for section in SECTIONS:
+        for name, value in _floats(getattr(model, section)):
+            if not np.isfinite(value).all():
+                yield f"{section}.{name}"
+
+
+def check_quaternions(spec: mujoco.MjSpec, model: mujoco.MjModel, source: str) -> None:
+    """Refuse keyframes with quaternions of zeros, which the engine takes as upright."""
+    for key in spec.keys:
+        for joint in (model.joint(i) for i in range(model.njnt)):
+            kind = int(joint.type[0])
+            if kind not in QUATERNIONS or len(key.qpos) != model.nq:
+                continue
+            start = int(joint.qposadr[0]) + QUATERNIONS[kind]
+            if not any(key.qpos[start + i] for i in range(4)):
+                raise ModelError(
+                    f"keyframe {key.name!r} has a quaternion of zeros for joint "
+                    f"{joint.name!r}: {source}; write 1 0 0 0 for upright"
+                )
+
+
+@cache
+def _float_arrays() -> tuple[str, ...]:
+    """A model's arrays of floats; derived ones last, and of these the body's first."""
+    empty = mujoco.MjSpec().compile()
+    names = (name for name in dir(empty) if not name.startswith("_"))
+    floats = [name for name in names if _is_float(getattr(empty, name))]
+    derived = {name for name in floats if DERIVED.search(name)}
+    last = {name for name in derived if not name.startswith("body_")}
+    return tuple(sorted(floats, key=lambda name: (name in derived, name in last)))
+
+
+def _is_float(value: object) -> bool:
+    return isinstance(value, np.ndarray) and value.dtype.kind == "f"
+
+
+def _floats(section: object, prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Numbers and arrays of floats in a section, and in the sections inside it."""
+    for name in dir(section):
+        value = getattr(section, name)
+        if name.startswith("_") or callable(value):
+            continue
+        if isinstance(value, float) or _is_float(value):
+            yield prefix + name, value
+        elif type(value).__module__.startswith("mujoco"):
+            yield from _floats(value, f"{prefix}{name}.")
+
+
+def _owner(model: mujoco.MjModel, array: str, row: int) -> str:
+    """The element that a row of one of the model's arrays belongs to."""
+    kind = array.partition("_")[0]
+    if kind == "dof":
+        kind, row = "jnt", int(model.dof_jntid[row])
+    count = getattr(model, f"n{kind}", None)
+    word = WORDS.get(kind, kind)
+    if count is None or row >= count or not hasattr(model, kind):
+        return f"the {word}s"
+    name = getattr(model, kind)(row).name
+    return f"{word} {name!r}" if name else f"{word} {row}"
+
+
+def check_name(name: str, source: str) -> None:
+    """Refuse a name that cannot stand wherever names are written."""
+    if not is_plain(name):
+        raise ModelError(
+            f"{name!r} is no name for a part or a robot: {source}; use printable "
+            "characters, and no backslash at the end"
+        )
+
+
+def check_names(model: mujoco.MjModel, source: str) -> None:
+    """Refuse a compiled model in which something has such a name."""
+    for name in model.names.split(b"\0"):
+        try:
+            check_name(name.decode(), source)
+        except UnicodeDecodeError as error:
+            raise ModelError(
+                f"a name of it is not text, {error}: {source}; write names in UTF-8"
+            ) from error
+
 
 ON_JOINT = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
 

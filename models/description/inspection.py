@@ -22,8 +22,14 @@ from typing import Any, NamedTuple
 
 import mujoco
 
-from models.description.compiled import compile_model, one_line, read_spec
-from models.description.numbers import check_name, check_quaternions, check_text
+from models.description.compiled import (
+    check_name,
+    check_quaternions,
+    check_text,
+    compile_model,
+    one_line,
+    read_spec,
+)
 from models.errors import ModelError
 
 NAMED = re.compile(r"""\bfile\w*\s*=\s*["']([^"']{1,200})["']""")

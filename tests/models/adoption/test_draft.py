@@ -6,9 +6,9 @@ import mujoco
 import numpy as np
 import pytest
 
+from models.adoption.anatomy import servo_for
 from models.adoption.draft import draft_card
 from models.adoption.source import source_of
-from models.adoption.standing import servo_for
 from models.contact.kinematics import Kinematics
 from models.errors import ModelError, UnknownRobotError
 from models.library import load

@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from models.contact.soles import find_sole
+from models.contact.kinematics import find_sole
 from models.errors import ModelError
 
 CONE = " ".join(

@@ -3,8 +3,7 @@
 import mujoco
 import pytest
 
-from models.description.compiled import compile_model
-from models.description.numbers import check_text
+from models.description.compiled import check_text, compile_model
 from models.errors import ModelError
 
 MODEL = """<mujoco>
