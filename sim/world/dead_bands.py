@@ -18,7 +18,7 @@ from models import Robot
 from models.description import ON_JOINT, compile_model
 from planner import Array
 from sim.scenarios.scenario import Scenario
-from sim.world.imperfections import STOP
+from sim.world.imperfections import add_loose_joint
 
 BAND = "band_"  # before the name of the joint whose servo has one
 BRAKE = "brake_"  # tendon on which the servo's rotor and damping act
@@ -76,16 +76,7 @@ def ensure_dead_bands(spec: mujoco.MjSpec, robot: Robot, scenario: Scenario) -> 
             armature=max(rotor - own, 0.0),
             damping=[max(braking - follow, 0.0), 0.0, 0.0],
         )
-        joint.parent.add_joint(
-            name=BAND + name,
-            type=mujoco.mjtJoint.mjJNT_HINGE,
-            pos=joint.pos,
-            axis=joint.axis,
-            limited=True,
-            range=[-width / 2, width / 2],
-            solref_limit=STOP,
-            solimp_limit=UNYIELDING,
-        )
+        add_loose_joint(joint, BAND, width, solimp_limit=UNYIELDING)
         for part in (name, BAND + name):
             brake.wrap_joint(part, 1.0)
         servo.armature = servo.biasprm[2] = 0.0

@@ -7,6 +7,7 @@ effect. Dead bands of servos are added by `dead_bands`.
 from __future__ import annotations
 
 from math import atan, cos, sin, tan
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -130,16 +131,21 @@ def _set_foot_friction(
 def _loosen(spec: mujoco.MjSpec, robot: Robot, backlash: float) -> None:
     """Behind every leg joint another one about its axis, free within the backlash."""
     for name in robot.card.joints:
-        joint = spec.joint(name)
-        joint.parent.add_joint(
-            name=BACKLASH + name,
-            type=mujoco.mjtJoint.mjJNT_HINGE,
-            pos=joint.pos,
-            axis=joint.axis,
-            limited=True,
-            range=[-backlash / 2, backlash / 2],
-            armature=LOOSE,
-            damping=RUBBED,
-            solref_limit=STOP,
-            solimp_limit=HARD,
-        )
+        joint, own = spec.joint(name), {"armature": LOOSE, "damping": RUBBED}
+        add_loose_joint(joint, BACKLASH, backlash, solimp_limit=HARD, **own)
+
+
+def add_loose_joint(
+    joint: mujoco.MjsJoint, prefix: str, width: float, **own: Any
+) -> None:
+    """Another joint about the axis of a joint, between stops a width apart [rad]."""
+    joint.parent.add_joint(
+        name=prefix + joint.name,
+        type=mujoco.mjtJoint.mjJNT_HINGE,
+        pos=joint.pos,
+        axis=joint.axis,
+        limited=True,
+        range=[-width / 2, width / 2],
+        solref_limit=STOP,
+        **own,
+    )
