@@ -38,10 +38,9 @@ SWEEPS = 1600  # outlines that make up what is swept
 PANELS = (("a", "c"), ("b", "d"))  # a map, and the course of clearance below it
 SHARE = np.linspace(0, 1, 301)
 WALL, OUTLINE = palette.OBSTACLE.hex, palette.OUTLINE.hex
+UNCUT = {"min_clearance": -1, "steer": "ideal"}
 WALKS = {
-    "corridor-coarse": Job(
-        "corridor", {"min_clearance": -1, "steer": "ideal"}, cost=35
-    ),
+    "corridor-coarse": Job("corridor", UNCUT, cost=35),
     "corridor": Job("corridor", cost=80),
 }
 

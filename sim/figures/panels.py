@@ -40,11 +40,9 @@ def loops() -> dict[str, tuple[float, float, float]]:
 
 
 def _job(low: float, first: float, second: float) -> Job:
-    air = [Flow("2", "g2_1", low), Flow("1", "g1_2", low)] if low else []
-    loop = [
-        Flow("1", "g1_1", first), Flow("2", "g2_2", second),
-        Flow("1", "g1_1", -first), Flow("2", "g2_2", -second),
-    ]  # fmt: skip
+    air = (Flow("2", "g2_1", low), Flow("1", "g1_2", low)) if low else ()
+    sides = ("1", "g1_1", first), ("2", "g2_2", second)
+    loop = (Flow(s, g, sign * by) for sign in (1, -1) for s, g, by in sides)
     return Job("line", {"segments": 1}, flows=(*air, *loop))
 
 
@@ -57,7 +55,7 @@ def paper(axes: Mapping[str, Axes]) -> Shown:
     panels = stratified_panels(system, STROKES)
     drawn = DRAWN_SIDE, RATIO * DRAWN_SIDE
     for panel, coordinate in (("a", "x"), ("b", "y")):
-        _draw_height(axes[panel], panels, coordinate, 1.4, 1.0, r"$l$/rad$^2$")
+        _draw_height(axes[panel], panels, coordinate, 1.4, "$l$")
         _draw_loop(axes[panel], 0.0, *drawn, width=1.6)
     start = np.zeros(system.dimension)
     _draw_way(axes["c"], play(system, panels.loop(drawn), start, STROKE_STATES))
@@ -77,11 +75,10 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
     """Loops walked by the hexapod in the physics."""
     panels, rows = robot_panels(), []
     for panel, coordinate in (("a", "x"), ("b", "y")):
-        _draw_height(axes[panel], panels, coordinate, 0.45, MM, "mm/rad$^2$")
+        _draw_height(axes[panel], panels, coordinate, 0.45, "mm")
         for loop in loops().values():
             _draw_loop(axes[panel], *loop, width=1.6 if loop[0] else 0.8)
-    for walk, (low, *sides) in loops().items():
-        first, second = sides
+    for walk, (low, first, second) in loops().items():
         by_area = [panels.change(c, (low, low), (first, second)) for c in ("x", "y")]
         poses = (walks[walk].pose[name] for name in ("quasi_static", "achieved"))
         ends = np.concatenate([pose[-1, :2] for pose in poses]).tolist()
@@ -93,14 +90,10 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
 
 
 def _draw_height(
-    axes: Axes,
-    panels: StratifiedPanels,
-    name: str,
-    reach: float,
-    scale: float,
-    unit: str,
+    axes: Axes, panels: StratifiedPanels, name: str, reach: float, unit: str
 ) -> None:
     """Contours of a height function over both angles from -reach to reach."""
+    scale = MM if unit == "mm" else 1.0
     angles = np.linspace(-reach, reach, 81)
     first, second = np.meshgrid(angles, angles)
     values = scale * panels.at(name, first, second)
@@ -115,7 +108,7 @@ def _draw_height(
     within = [t for t in inner if low + apart < t < high - apart]
     ticks = [low, *within, high]
     bar = axes.figure.colorbar(drawn, ax=axes, shrink=0.9, ticks=ticks, format="%.3g")
-    bar.set_label(f"[{unit}]")
+    bar.set_label(f"[{unit}/rad$^2$]")
     bar.ax.tick_params(labelsize=6)
     axes.set(xlabel=r"$\varphi_1$  [rad]", ylabel=r"$\varphi_2$  [rad]")
     axes.set_aspect("equal")
@@ -151,8 +144,7 @@ def _draw_way(axes: Axes, states: Array) -> None:
 def _add_key(axes: Axes) -> None:
     for tripod, colour in TRIPODS.items():
         axes.plot([], [], color=colour, label=f"tripod {tripod} stands and swings")
-    start: Style = {"markersize": 3, "label": "start of the loop"}
-    axes.plot([], [], "o", color=INK, **start)
+    axes.plot([], [], "o", color=INK, markersize=3, label="start of the loop")
 
 
 def _draw_changes(
@@ -163,8 +155,8 @@ def _draw_changes(
     for i, (name, fmt) in enumerate((("x", ":"), ("y", "-"))):
         by_area = [panels.change(name, (0, 0), (s, RATIO * s)) for s in sides]
         axes.plot(sides, by_area, fmt, color=IDEAL, label=f"{name}, integral")
-        axes.plot(made[:, 0], made[:, 4 + i], "os"[i], color=INK, markersize=4,
-                  markerfacecolor="none", label=f"{name}, flows")  # fmt: skip
+        flows: Style = {"color": INK, "mfc": "none", "label": f"{name}, flows"}
+        axes.plot(made[:, 0], made[:, 4 + i], "os"[i], markersize=4, **flows)
     alone: Style = {"linewidth": 0.8, "label": "y, bracket alone"}
     axes.plot(sides, 2 * RATIO * sides**2, "--", color=NOMINAL, **alone)
 

@@ -112,8 +112,8 @@ def graph_of(system: StratifiedSystem, gait: Sequence[str]) -> Graph:
         for low, high in product(nodes.values(), repeat=2)
         if high.feet < low.feet and len(low.feet) == len(high.feet) + 1
     )
-    constraints = {s: len(system.level_set(s).functions) for s in system.strata}
-    dimensions = {s: system.dimension - count for s, count in constraints.items()}
+    whole = system.dimension
+    dimensions = {s: whole - len(system.level_set(s).functions) for s in system.strata}
     walked = Gait(system, tuple(gait)).strata
     return Graph(nodes, edges, system.edges, walked, dimensions)
 
@@ -164,16 +164,12 @@ def _draw_bottom(axes: Axes, node: Node, ends: Sequence[float]) -> None:
 
 def _draw_node(axes: Axes, node: Node, note: str, framed: bool) -> Patch | None:
     text = f"$S_{{{node.name}}}$" + (f"\n{note}" if note else "")
-    written = axes.annotate(
-        text, node.at, ha="center", va="center", zorder=4,
-        fontsize=8 if node.present else 6, color=INK if node.present else NOMINAL,
-        bbox={
-            "boxstyle": "round,pad=0.35" if node.present else "round,pad=0.2",
-            "facecolor": "white" if framed else "none",
-            "edgecolor": NOMINAL if node.present else ABSENT,
-            "linewidth": framed * (1.2 if node.present else 0.5),
-        },
-    )  # fmt: skip
+    size, pad, width = (8, 0.35, 1.2) if node.present else (6, 0.2, 0.5)
+    colour, edge = (INK, NOMINAL) if node.present else (NOMINAL, ABSENT)
+    box: Style = {"boxstyle": f"round,pad={pad}", "edgecolor": edge}
+    box |= {"facecolor": "white" if framed else "none", "linewidth": framed * width}
+    look: Style = {"fontsize": size, "color": colour, "ha": "center", "va": "center"}
+    written = axes.annotate(text, node.at, zorder=4, bbox=box, **look)
     return written.get_bbox_patch()
 
 
@@ -183,9 +179,8 @@ def _draw_step(
     """An arrow beside its edge, from the box of a node to that of the next."""
     start, end = np.array(ends)
     lane = np.array([LANE * np.sign(end[1] - start[1]), 0.0])
-    first, last = (
-        None if at[1] == HIGH else box for at, box in zip(ends, boxes, strict=True)
-    )
+    both = zip(ends, boxes, strict=True)
+    first, last = (None if at[1] == HIGH else box for at, box in both)
     arrow: Style = {"color": INK, "linewidth": 1.0, "mutation_scale": 8, "zorder": 2}
     arrow |= {"patchA": first, "patchB": last, "shrinkA": 0, "shrinkB": 0}
     arrow["arrowstyle"] = "-|>"
