@@ -135,7 +135,6 @@ def _draw_prints(
 
 
 def _number(axes: Axes, leg: int, place: Array, colour: str) -> None:
-    """The number of a leg beside its first footprint."""
     x, y = place
     axes.annotate(
         str(leg), (x, y), (-4, -4), textcoords="offset points", ha="right", va="top",

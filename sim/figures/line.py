@@ -104,7 +104,6 @@ def _draw_bands(axes: Axes, walked: Walked) -> None:
 
 
 def _fill_between(axes: Axes, rims: Array, colour: str) -> None:
-    """Fill between two chains of points, shape (2, N, 2)."""
     outline = np.concatenate([rims[0], rims[1][::-1]])
     label = "between\nfarthest points"
     axes.fill(*outline.T, color=colour, alpha=0.6, linewidth=0, label=label)

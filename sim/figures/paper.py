@@ -1,9 +1,8 @@
 """The paper's hexapod in the paper's units (l = 1), walked on its exact kinematics.
 
-It has neither a body nor forces: eqs. (16) to (18) are integrated along the flows of a
-plan. Within each segment it deviates from the nominal path by the tube's half width. A
-bracket of size h needs strokes of size sqrt(h) (eq. 20), so the tube's width falls as
-the square root of the segments' length and not as the length itself.
+It has neither a body nor forces: eqs. (16) to (18) are integrated along a plan's flows.
+A bracket of size h needs strokes of size sqrt(h) (eq. 20), so that the tube in which a
+segment stays around the nominal path is as wide as the square root of its length.
 """
 
 from __future__ import annotations

@@ -1,9 +1,8 @@
 """Figs. 2 and 3: strata as graphs of systems, and as sheets of configurations.
 
 Every set of feet on the ground is a node, placed by the number of these feet; the
-system has a stratum for some of them. A gait is a closed walk along the edges.
-The configurations of a biped near both feet on the ground are two sheets: on S1 foot 1
-stands and foot 2 may rise, on S2 the other way about; they cross in S12.
+system has a stratum for some of them. A gait is a closed walk along the edges. Near
+both feet on the ground a biped's configurations are two sheets, which cross in S12.
 """
 
 from __future__ import annotations
@@ -198,7 +197,6 @@ def numbered(colour: str) -> Style:
 
 
 def _add_key(axes: Axes) -> None:
-    """Enter the signs of graphs in the key of a panel."""
     box: Style = {"marker": "s", "markerfacecolor": "white", "linestyle": ""}
     step: Style = {"color": INK, "marker": ">", "label": "steps of the gait, in order"}
     other = "feet on the ground that are no stratum of the system"

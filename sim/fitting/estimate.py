@@ -1,9 +1,8 @@
 """Estimates with their uncertainties: many small least-squares problems side by side.
 
-Every problem has the same few parameters and measurements of its own. What is expected
-of a parameter beforehand, its start and spread, enters as one more measurement: a
-direction of which the measurements say nothing stays at its start. Such directions are
-named; one is unseen where more than half of what was expected is left open.
+What is expected of a parameter, its start and spread, enters as one more measurement: a
+direction of which the measurements say nothing stays at its start, and is named. It is
+unseen where more than half of what was expected is left open.
 """
 
 from __future__ import annotations
@@ -106,7 +105,6 @@ class Estimates:
 
 
 def _in_words(names: Sequence[str], direction: Array) -> str:
-    """A direction of unit length."""
     parts = [i for i in np.argsort(-np.abs(direction)) if abs(direction[i]) > PART]
     if len(parts) == 1:
         return f"{names[parts[0]]} does not show"

@@ -1,10 +1,8 @@
 """Logs: joint motion over time, and what was measured on a real robot meanwhile.
 
-A file is a table of numbers with a line of names. `time` [s] and a column a joint, by
-its name, hold the commands. What was measured may stand beside them: `measured.JOINT`,
-`body.x`, `body.y` [m], `body.yaw`, `body.roll`, `body.pitch`, the standard errors
-`body.x.error`, `body.y.error`, `body.yaw.error`, and `contact.LEG` (0 or 1).
-Empty cells are gaps. What is in a file is numbers alone; nothing is carried out.
+A file is a table of numbers with a line of names: `time` [s], a column a joint with its
+commands, and beside them `measured.JOINT`, what is in `BODY` [m], and `contact.LEG` (0
+or 1). Empty cells are gaps. It holds numbers alone; nothing is carried out.
 """
 
 from __future__ import annotations

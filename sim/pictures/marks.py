@@ -160,7 +160,6 @@ def _covered(walk: Run, clock: Clock) -> Drawing:
 
 
 def _path(walk: Run, clock: Clock, poses: Array, style: PathMark) -> Mark:
-    """The path of the body's centre so far."""
     rows = spaced_rows(poses[:, :2], SPACING * walk.reach)
     rows = rows[_telling(poses[rows], clock.frame_of(rows))]
     width, jump = style.width * walk.reach, JUMP * walk.reach
@@ -240,7 +239,6 @@ def _corners(hull: shapely.Geometry) -> Array:
 
 
 def _weight(walk: Run, clock: Clock, frames: range) -> Iterator[Mark]:
-    """The centre of mass, projected on the floor."""
     centres = walk.center_of_mass[clock.rows[frames.start : frames.stop]]
     for name, share, colour in (
         ("rim of the centre of mass", 1.4, palette.PAPER),

@@ -178,7 +178,6 @@ def draw(pieces: Sequence[Piece], driver: str, progress: Callable[[int], None]) 
 def _start(
     stack: ExitStack, piece: Piece, environment: dict[str, str], pen: int
 ) -> Worker:
-    """A process at work on a piece."""
     complaints = stack.enter_context(tempfile.TemporaryFile())  # noqa: SIM115 (it does)
     process = subprocess.Popen(
         piece.command,
@@ -214,7 +213,6 @@ def _wait(dots: int, where: str) -> int:
 
 
 def _draw(piece: Piece) -> None:
-    """Draw frames of the film of a run folder."""
     walk = read_run(piece.folder, inspected=True).in_world()
     frames = piece.frames
     film_clock = clock(walk.time, walk.scenario.playback, piece.stretch)
@@ -243,7 +241,6 @@ def is_held(film_clock: Clock, view: Camera, frame: int) -> bool:
 
 
 def _main() -> None:
-    """Read the command line that a `Piece` composes."""
     folder, look, start, stop, path, view, begin, end = sys.argv[1:]
     log = mujoco.MjLogConfig.get()
     log.logto_file = False  # it would otherwise appear in the current folder

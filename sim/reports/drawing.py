@@ -1,9 +1,7 @@
 """Inline SVG drawn by matplotlib: curves and numbers, while the page adds the words.
 
-A curve that goes up and down in every segment would be a solid comb: of whole walks
-the page shows bands of its extremes, and the curve itself where it is zoomed. Text
-remains text and has a class of its own, so that the page sets its size. On a telephone,
-where the drawing is smaller, the text is larger.
+Curves of whole walks would be solid combs: they have bands of their extremes, and show
+where the page is zoomed. Text remains text, whose size the page sets.
 """
 
 from __future__ import annotations

@@ -118,7 +118,6 @@ def overlaid(runs: Sequence[tuple[str, Run]]) -> Iterator[Drawing]:
 
 
 def _draw_place(axes: Axes, run: Run) -> list[Key]:
-    """Obstacles, nominal path and goal."""
     for outline in run.obstacles:
         axes.fill(*(MM * outline.T), color=OBSTACLE.hex, lw=0)
     axes.plot(*(MM * run.nominal[:, :2].T), **NOMINAL.line())
