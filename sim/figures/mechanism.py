@@ -46,13 +46,12 @@ def paper(axes: Mapping[str, Axes]) -> Shown:
 
 def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
     """Three of the robots that walk in MuJoCo."""
-    rows: list[tuple[Cell, ...]] = []
-    for panel, robot in zip(axes.values(), ROBOTS, strict=True):
-        rows += _draw_robot(panel, robot)
+    panels = zip(axes.values(), ROBOTS, strict=True)
+    rows = [row for panel, robot in panels for row in _draw_robot(panel, robot)]
     last = axes["c"]
-    for group in range(4):
-        dots: Style = {"markersize": 4, "label": f"group {group + 1}"}
-        last.plot([], [], "o", color=palette.group(group).hex, **dots)
+    for i in range(4):
+        dots: Style = {"color": palette.group(i).hex, "label": f"group {i + 1}"}
+        last.plot([], [], "o", markersize=4, **dots)
     last.fill([], [], facecolor=BODY, edgecolor=NOMINAL, label="body")
     last.plot([], [], ">", color=NOMINAL, markersize=6, label="front")
     last.plot([], [], "s", color=INK, markersize=2.5, label="hip")
@@ -78,11 +77,10 @@ def _draw_above(axes: Axes, legs: Sequence[tuple[Cell, ...]]) -> None:
         axes.plot(*(hip[:, None] + reach), color=colour, linewidth=0.7)
         number: Style = {"ha": "center", "va": "bottom" if side > 0 else "top"}
         axes.text(foot[0], foot[1] + 0.14 * side, str(leg), color=colour, **number)
-    hip = STANCE.hips(1)[0]
-    swept = hip + np.array([-np.sin(SWUNG), np.cos(SWUNG)])
-    axes.plot(*np.transpose([hip, swept]), ":", color=TRIPODS["1"])
-    x, y = hip + [-0.17, 0.62]
-    axes.text(x, y, r"$\varphi_1$", ha="center", color=TRIPODS["1"])
+    x, y = STANCE.hips(1)[0]
+    swept = [x, x - np.sin(SWUNG)], [y, y + np.cos(SWUNG)]
+    axes.plot(*swept, ":", color=TRIPODS["1"])
+    axes.text(x - 0.17, y + 0.62, r"$\varphi_1$", ha="center", color=TRIPODS["1"])
     for name, of in LEGS.items():
         label = f"tripod {name}: legs {', '.join(map(str, of))}"
         axes.plot([], [], color=TRIPODS[name], label=label)
@@ -120,7 +118,10 @@ def _draw_robot(axes: Axes, name: str) -> list[tuple[Cell, ...]]:
     rows: list[tuple[Cell, ...]] = []
     turned = stance.rates / robot.swing_gain[:, None]  # per radian of the joint
     hips = stance.feet - np.stack([turned[:, 1], -turned[:, 0]], axis=-1)
-    _draw_body(axes, body_corners(robot.model, robot.model.body(robot.root).id))
+    corners = MM * body_corners(robot.model, robot.model.body(robot.root).id)[:, :2]
+    rim = shapely.get_coordinates(shapely.convex_hull(shapely.MultiPoint(corners)))
+    axes.fill(*rim.T, facecolor=BODY, edgecolor=NOMINAL, linewidth=0.8, zorder=0)
+    axes.plot(0.8 * rim[:, 0].max(), 0, ">", color=NOMINAL, markersize=6)
     for i, leg in enumerate(robot.legs):
         group = int(robot.group_of_leg[i])
         colour, hip, foot = palette.group(group).hex, hips[i], stance.feet[i]
@@ -143,14 +144,6 @@ def _draw_robot(axes: Axes, name: str) -> list[tuple[Cell, ...]]:
         axes.plot(*np.multiply(MM, pivot), "x", color=NOMINAL, markersize=5)
     axes.plot(*(MM * stance.center_of_mass), "+", color=INK)
     return rows
-
-
-def _draw_body(axes: Axes, corners: Array) -> None:
-    """The body from above, and where its front is."""
-    hull = shapely.convex_hull(shapely.MultiPoint(MM * corners[:, :2]))
-    rim = shapely.get_coordinates(hull)
-    axes.fill(*rim.T, facecolor=BODY, edgecolor=NOMINAL, linewidth=0.8, zorder=0)
-    axes.plot(0.8 * rim[:, 0].max(), 0, ">", color=NOMINAL, markersize=6)
 
 
 def save_standing(setup: Setup, pivots: Sequence[Array], path: Path) -> None:

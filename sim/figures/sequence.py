@@ -17,25 +17,19 @@ from sim.figures.style import INK, LEGS, MM, PATHS, STRATA, TRIPODS
 from sim.palette import Style
 
 STROKES = (0.8, 0.5)  # [rad], of foot 1 on S1 and of foot 2 on S2
-SEQUENCE = (
-    Flow("1", "g1_3", 1.0),
-    Flow("1", "g1_1", STROKES[0]),
-    Flow("1", "g1_3", -1.0),
-    Flow("2", "g2_3", 1.0),
-    Flow("2", "g2_2", STROKES[1]),
-    Flow("2", "g2_3", -1.0),
-)
+SEQUENCE = (  # lift a foot, turn about the other, set it down
+    Flow("1", "g1_3", 1.0), Flow("1", "g1_1", STROKES[0]), Flow("1", "g1_3", -1.0),
+    Flow("2", "g2_3", 1.0), Flow("2", "g2_2", STROKES[1]), Flow("2", "g2_3", -1.0),
+)  # fmt: skip
 REORDERED = tuple(SEQUENCE[i] for i in (1, 0, 2, 4, 3, 5))
 """Eq. (14): lifts commute with strokes (13), so each is undone by the next flow."""
 STATES = 20  # of a flow
 BARS = -0.5  # [rad], where contacts are drawn
 LOADED = {"1": 0.8, "2": 0.5}  # stroke of each tripod [rad]
-WALKED = (
-    Flow("2", "g2_1", -LOADED["1"] / 2),
-    Flow("1", "g1_2", -LOADED["2"] / 2),
-    Flow("1", "g1_1", LOADED["1"]),
-    Flow("2", "g2_2", LOADED["2"]),
-)
+WALKED = (  # each swings back in the air before, so that its stroke is centred
+    Flow("2", "g2_1", -LOADED["1"] / 2), Flow("1", "g1_2", -LOADED["2"] / 2),
+    Flow("1", "g1_1", LOADED["1"]), Flow("2", "g2_2", LOADED["2"]),
+)  # fmt: skip
 WALKS = {"sequence": Job("line", {"segments": 1}, flows=WALKED)}
 
 

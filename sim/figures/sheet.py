@@ -54,9 +54,8 @@ class Table:
 
     def __post_init__(self) -> None:
         for i, row in enumerate(self.rows):
-            if len(row) != len(self.header):
-                counts = f"{len(row)} cells for {len(self.header)} columns"
-                raise ValueError(f"row {i} has {counts}")
+            if len(row) != (width := len(self.header)):
+                raise ValueError(f"row {i} has {len(row)} cells for {width} columns")
 
     def csv(self) -> str:
         """The table as CSV, every digit kept."""
@@ -186,14 +185,9 @@ def save(sheet: Sheet, folder: Path) -> None:
 def page(sheets: Sequence[Sheet]) -> str:
     """All sheets with captions and tables, as Markdown."""
     parts = ["# The paper's figures, drawn again\n"]
-    for sheet in sheets:
-        parts += [
-            f"## {sheet.title}\n",
-            f"![{sheet.title}]({sheet.name}.png)\n",
-            f"{sheet.caption}\n",
-            f"Numbers: [{sheet.name}.csv]({sheet.name}.csv)\n",
-            sheet.table.markdown(),
-        ]
+    for s in sheets:
+        parts += [f"## {s.title}\n", f"![{s.title}]({s.name}.png)\n", f"{s.caption}\n"]
+        parts += [f"Numbers: [{s.name}.csv]({s.name}.csv)\n", s.table.markdown()]
     return "\n".join(parts)
 
 

@@ -117,17 +117,14 @@ def walked_of_log(setup: Setup, log: Log) -> Walked:
         columns = "body.x, body.y, body.yaw"
         raise ValueError(f"poses are missing; give {columns} in every row")
     hold = round(setup.limits.hold / dt)
-    parts = [
-        motion.schedule(0, hold, standing=True),
-        motion.schedule(hold, hold + motion.steps),
-    ]
+    walked = motion.schedule(hold, hold + motion.steps)
+    parts = [motion.schedule(0, hold, standing=True), walked]
     ctrl = np.concatenate([rows for part in parts for rows in setup.commands(part)])
     spans = np.array([(p.start, p.stop) for part in parts for p in part.phases])
-    phases = phases_of(setup.as_planned)
-    none = np.zeros(len(spans))
+    phases, none = phases_of(setup.as_planned), np.zeros(len(spans))
     course = course_along(setup, phases, ctrl, spans, none, {0: np.zeros(3)})
-    times, reach = hold * dt + log.time, setup.kinematics.reach
-    return Walked(phases, course, times, log.pose, reach)
+    times = hold * dt + log.time
+    return Walked(phases, course, times, log.pose, setup.kinematics.reach)
 
 
 def fit_poses(walked: Walked) -> PoseFit:

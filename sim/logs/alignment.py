@@ -69,9 +69,8 @@ def measured(log: Log, time: Array, predicted: Array) -> Measured | None:
     if log.pose is None or not np.isfinite(log.pose[:, 0]).any():
         return None
     done: list[str] = []
-    missing = ~np.isfinite(log.pose[:, 0])
-    if missing.any():
-        done.append(f"{missing.sum()} rows without a pose are bridged")
+    if missing := np.count_nonzero(~np.isfinite(log.pose[:, 0])):
+        done.append(f"{missing} rows without a pose are bridged")
     pose = _finite(time, log.time, log.pose)
     if not np.isfinite(pose[:, 2]).all():
         pose[:, 2] = predicted[:, 2]
@@ -80,8 +79,8 @@ def measured(log: Log, time: Array, predicted: Array) -> Measured | None:
     turned = _turned(seen, predicted)
     if abs(turned) > TURNED_FRAME:
         seen[:, :2] = rotate(seen[:, :2], -turned)
-        against = f"by {degrees(turned):.1f} degrees against the robot"
-        done.append(f"its frame is turned {against}, and was turned back")
+        against = f"{degrees(turned):.1f} degrees against the robot"
+        done.append(f"its frame is turned by {against}, and was turned back")
     spread = None if log.spread is None else _finite(time, log.time, log.spread)
     return Measured(seen, spread, tuple(done))
 

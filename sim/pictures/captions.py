@@ -225,7 +225,7 @@ class Trail:
     @cached_property
     def points(self) -> list[tuple[float, float]]:
         """Where those are in the panel."""
-        return [self.place(self.error[row]) for row in self.rows]
+        return [self.place(error) for error in self.error[self.rows]]
 
     def place(self, error: Sequence[float] | Array = (0.0, 0.0)) -> tuple[float, float]:
         """Where an error is in the panel, or where there is none [pixels]."""
