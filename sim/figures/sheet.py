@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 from sim.figures import NAMES
 from sim.figures.physics import Job, Walked, begun
-from sim.figures.style import STYLE, as_map, sheet_of
+from sim.figures.style import STYLE, sheet_of
 from sim.folder import RunFolder, whole
 from sim.palette import Style
 from sim.progress import Progress, silent
@@ -84,7 +84,8 @@ class Panel:
     def finish(self, axes: Axes, title: str) -> None:
         """Add to a drawing all that is not its content."""
         if self.map:
-            as_map(axes, self.map)
+            axes.set(xlabel=f"x [{self.map}]", ylabel=f"y [{self.map}]")
+            axes.set_aspect("equal", adjustable="datalim")
         axes.set(**self.axes)
         if self.room:
             axes.set_ylim(0, self.room * axes.get_ylim()[1])

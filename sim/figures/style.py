@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -66,16 +66,6 @@ def sheet_of(
     FigureCanvasAgg(figure)
     axes: dict[str, Axes] = figure.subplot_mosaic(mosaic, **(options or {}))
     return figure, axes
-
-
-def as_map(
-    axes: Axes, unit: str, adjustable: Literal["box", "datalim"] = "datalim"
-) -> None:
-    """Equal scales, and labels for positions on the ground."""
-    axes.set_aspect("equal", adjustable=adjustable)
-    suffix = f" [{unit}]" if unit else ""
-    axes.set_xlabel(f"x{suffix}")
-    axes.set_ylabel(f"y{suffix}")
 
 
 def plain_decades(*axes: Axis, subs: tuple[int, ...] = (1, 2, 5)) -> None:

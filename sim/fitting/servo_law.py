@@ -151,8 +151,8 @@ def on_floor(setup: Setup, model: mujoco.MjModel, log: Log, servos: Array) -> Co
     load = model.actuator_gainprm[actuators, 0] * spring - np.exp(servos[:, 1]) * speed
     load -= inertia * np.gradient(speed, dt, axis=0)
     begins = np.arange(ahead, len(time), round(LAW_STEP / dt))
-    mean = np.add.reduceat(load, begins)
-    mean /= np.diff(np.append(begins, len(time)))[:, None]
+    counts = np.diff(np.append(begins, len(time)))[:, None]
+    mean = np.add.reduceat(load, begins) / counts
     return Commanded(LAW_STEP, log.at(time[begins]), mean, inertia, leg)
 
 
@@ -161,8 +161,8 @@ def turned(
 ) -> Array:
     """Angles (T, J) of joints, and of those named by a part and them, in sum."""
     there = {model.joint(j).name: int(model.jnt_qposadr[j]) for j in range(model.njnt)}
-    names = [(joint, *(part + joint for part in parts)) for joint in joints]
-    places = [[there[name] for name in each if name in there] for each in names]
+    named = ([part + joint for part in ("", *parts)] for joint in joints)
+    places = ([there[name] for name in names if name in there] for names in named)
     return np.stack([qpos[:, place].sum(axis=1) for place in places], axis=1)
 
 

@@ -148,8 +148,8 @@ def _seen(walk: Run, clock: Clock) -> Array:
     shown = slice(first, last + 1, max(1, (last - first) // ENOUGH))
     feet = walk.contact_point[shown][walk.contact[shown]]
     whole = first == 0 and last == len(walk.contact) - 1
-    path = walk.nominal[:, :2] if whole else walk.achieved[shown, :2]
-    heights = ((feet, 0.0), (feet, KNEES * walk.reach), (path, 0.0))
+    path = walk.nominal if whole else walk.achieved[shown]
+    heights = ((feet, 0.0), (feet, KNEES * walk.reach), (path[:, :2], 0.0))
     return np.concatenate([np.insert(points, 2, z, axis=1) for points, z in heights])
 
 

@@ -105,12 +105,11 @@ def _font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
 
 def legend(walk: Run) -> Panel:
     """The panel at the top left: the walk, and the meaning of the colours."""
-    scenario, lines = walk.scenario, _lines(walk)
-    robot = Path(scenario.robot).stem  # of a user's own, the file
-    about = f"{robot}, {scenario.fields} fields"
+    scenario, lines, room = walk.scenario, _lines(walk), WIDE - 2 * PAD
+    about = f"{Path(scenario.robot).stem}, {scenario.fields} fields"
     still, draw = empty(WIDE, TITLE - 2 + LINE * len(lines))
-    text(draw, (PAD, 10), fitting(scenario.name, WIDE - 2 * PAD, LARGE), LARGE)
-    text(draw, (PAD, 46), fitting(about, WIDE - 2 * PAD), colour=palette.FAINT)
+    text(draw, (PAD, 10), fitting(scenario.name, room, LARGE), LARGE)
+    text(draw, (PAD, 46), fitting(about, room), colour=palette.FAINT)
     for i, (label, colour, kind) in enumerate(lines):
         y = TITLE + i * LINE
         _sample(draw, kind, y, colour)

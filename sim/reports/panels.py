@@ -156,9 +156,8 @@ def _contacts(run: Run) -> Drawing:
             _bars(axes, _spells(run, contact[:, i]), y - 0.36, 0.72, colour)
             _bars(axes, _spells(run, wrong[:, i]), y - 0.5, 0.14, LIMIT)
         for stratum, colour in of_stratum.items():
-            there = [p for p in run.phases if p.stratum == stratum]
-            spells = [(p.start, p.end - p.start) for p in there]
-            _bars(axes, spells, -0.45, 0.75, colour)
+            spells = [(p.start, p.end) for p in run.phases if p.stratum == stratum]
+            _bars(axes, np.array(spells), -0.45, 0.75, colour)
         labels = [*(f"leg {leg}" for leg in run.legs), "stratum"]
         axes.set_yticks([*range(feet, 0, -1), -0.08], labels)
         axes.grid(visible=False)
@@ -180,17 +179,14 @@ def _contacts(run: Run) -> Drawing:
         return finish(figure, "Contacts of the feet, and strata", keys, note)
 
 
-def _bars(
-    axes: Axes, spells: list[tuple[float, float]], y: float, high: float, colour: str
-) -> None:
+def _bars(axes: Axes, spells: Array, y: float, high: float, colour: str) -> None:
     """Bars of one row as a single shape, which a page draws and stores fastest."""
     from matplotlib.patches import PathPatch
     from matplotlib.path import Path
 
-    if not spells:
+    if not len(spells):
         return
-    start, length = np.array(spells).T
-    x = np.stack([start, start + length, start + length, start], axis=1)
+    x = spells[:, [0, 1, 1, 0]]
     upright = np.broadcast_to([y, y, y + high, y + high], x.shape)
     corners = np.stack([x, upright], axis=-1)
     shape = Path.make_compound_path_from_polys(corners)
@@ -205,8 +201,7 @@ def _of_stratum(run: Run, stratum: str, index: int) -> str:
     return STRATA[index % len(STRATA)]
 
 
-def _spells(run: Run, flag: Array) -> list[tuple[float, float]]:
-    """Start and length of every time for which a flag holds [s]."""
+def _spells(run: Run, flag: Array) -> Array:
+    """Start and end of every time for which a flag holds, (n, 2) [s]."""
     edges = np.flatnonzero(np.diff(flag, prepend=False, append=False))
-    begun, ended = run.time[np.minimum(edges, len(run.time) - 1)].reshape(-1, 2).T
-    return list(zip(begun, ended - begun, strict=True))
+    return run.time[np.minimum(edges, len(run.time) - 1)].reshape(-1, 2)

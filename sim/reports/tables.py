@@ -86,10 +86,10 @@ def ends(run: Run) -> Table:
     rows = []
     for row, label in ROWS.items():
         if (pose := summary.poses.get(row)) is not None:
-            x, y, yaw = number(MM * pose[0]), number(MM * pose[1]), number(pose[2], 4)
+            place = number(MM * pose[0]), number(MM * pose[1]), number(pose[2], 4)
             name = f"predicted, {label}" if row in PREDICTIONS else label
             cells = (q.cell(summary, row) for q in (POSITION, YAW, *OF_ROWS))
-            rows.append((name, x, y, yaw, *cells))
+            rows.append((name, *place, *cells))
     header = ("", "x [mm]", "y [mm]", "yaw [rad]", "off at the end [mm]")
     return Table((*header, "in yaw [mrad]", *(q.title for q in OF_ROWS)), rows)
 

@@ -218,8 +218,8 @@ class Run:
     @property
     def legs_per_group(self) -> int:
         """How many legs every group has; 0 where the groups differ."""
-        sizes = {len(group.legs) for group in self.card.groups.values()}
-        return sizes.pop() if len(sizes) == 1 else 0
+        size, *others = {len(group.legs) for group in self.card.groups.values()}
+        return 0 if others else size
 
     @cached_property
     def reach(self) -> float:
