@@ -165,7 +165,7 @@ def _flow(problem: Problem, name: str, casadi: Any) -> Any:
     """The state after a field is followed, by Runge and Kutta's method, in symbols."""
     field, state = problem.system.fields[name], problem.system.state
     x, none = casadi.SX.sym("x", len(state)), casadi.SX.sym("none", 0)
-    rates = casadi_function(state, list(field))(x)
+    rates = casadi_function(state, tuple(field))(x)
     motion = casadi.Function("motion", [x, none], [casadi.vertcat(*rates)])
     return casadi.simpleRK(motion, STEPS)
 

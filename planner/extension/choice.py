@@ -206,22 +206,19 @@ def _enlarged(
 def _explained(
     system: StratifiedSystem, chosen: Sequence[_Candidate], x: Array
 ) -> Choice:
-    reasons = [
-        f"{candidate.name}: degree {candidate.degree}, {candidate.switches} contact "
-        f"switches, adds {_addition(system, candidate.beyond(_spans(chosen[:k], x)))}"
-        for k, candidate in enumerate(chosen)
-    ]
+    reasons = []
+    for k, candidate in enumerate(chosen):
+        added = candidate.beyond(_spans(chosen[:k], x))
+        most = added[np.linalg.norm(added, axis=1).argmax()]  # where it adds most
+        way = np.round(most / (np.abs(most).max() or 1.0), 3)
+        adds = in_words(way, system.state) or "nothing but brackets"
+        reasons.append(
+            f"{candidate.name}: degree {candidate.degree}, {candidate.switches} "
+            f"contact switches, adds {adds}"
+        )
     plain = [candidate.measured(np.ones(x.shape[1])) for candidate in chosen]
     matrices = np.stack([candidate.columns for candidate in plain], axis=-1)
     singular = np.linalg.svd(matrices, compute_uv=False)
     condition = (singular[:, 0] / singular[:, system.bottom_dimension - 1]).max()
     names = tuple(candidate.name for candidate in chosen)
     return Choice(names, float(condition), tuple(reasons))
-
-
-def _addition(system: StratifiedSystem, added: Array) -> str:
-    """The direction that an element adds, where its contribution is largest."""
-    most = added[np.linalg.norm(added, axis=1).argmax()]
-    if not most.any():
-        return "nothing but brackets"
-    return in_words(np.round(most / np.abs(most).max(), 3), system.state)

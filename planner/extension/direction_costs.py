@@ -6,7 +6,7 @@ far along it. The rank of a matrix does not show this, but the number of strokes
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import inf
 
@@ -70,25 +70,19 @@ def _cost(
     """The strokes for a unit of one row, by elements of low degree if they suffice.
 
     A column of the matrix, shape (n, p), is one stroke of an element. The motion may
-    miss a millionth of a unit, which is not worth further strokes.
+    miss a millionth of a unit, which is not worth further strokes. Rows are weighed as
+    they are, or made of equal size.
     """
     unit = np.eye(len(scaled))[row]
     for degree in np.unique(degrees):
         usable = np.where(degrees <= degree, scaled, 0.0)
-        for amounts in _solutions(usable, unit):
+        size = np.abs(usable).max(axis=1)
+        rows = size > 0
+        for weight in (np.ones(len(size)), np.where(rows, size, 1.0)):
+            weighed, wanted = (usable / weight[:, None])[rows], (unit / weight)[rows]
+            amounts, *_ = np.linalg.lstsq(weighed, wanted, rcond=None)
             if np.abs(usable @ amounts - unit).max() < MISSED:
                 given = np.abs(usable[row] * amounts).round(9)  # parts of the unit
                 main = elements[int(given.argmax())]
                 return DirectionCost(name, main, float(np.abs(amounts).sum()))
     return DirectionCost(name, elements[int(np.abs(amounts).argmax())], inf)
-
-
-def _solutions(scaled: Array, unit: Array) -> Iterator[Array]:
-    """Least squares with rows as they are, and with rows of equal size."""
-    size = np.abs(scaled).max(axis=1)
-    rows = size > 0
-    for weight in (np.ones(len(size)), np.where(rows, size, 1.0)):
-        amounts, *_ = np.linalg.lstsq(
-            (scaled / weight[:, None])[rows], (unit / weight)[rows], rcond=None
-        )
-        yield amounts

@@ -7,14 +7,6 @@ A flow S has backward coordinates h and forward coordinates f,
 in time order: B_s runs first on the left, B_1 on the right. S itself is never formed.
 Words of generators that realise the coordinates are made in `lie.input_words`.
 
-    integrate(basis, inputs) -> (..., s)    many segments at once, for
-        inputs of shape (..., nodes, s) at the nodes of `numerics.collocation`
-    backward(basis, v) -> (s,)              one segment, v constant or a function of t
-    forward(basis, h), backward_from_forward(basis, f)
-    logarithm(basis, h), exponential(basis, a)    S = e^(a_1 B_1 + ... + a_s B_s)
-    product(basis, first, then)             one flow after another
-    backward_matrix(basis)                  A(h) in symbols
-
 A basis is a Hall basis, or the part of one that remains when the elements of an ideal
 vanish (`lie.free_lie.LieAlgebra`).
 """

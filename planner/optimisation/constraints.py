@@ -275,7 +275,7 @@ def _stroke(
     ca, system = solver(), task.system
     if not stage.stroke:
         return lambda x, d, u: ca.SX.zeros(len(task.moved))
-    velocity = casadi_function(system.state, list(system.fields[stage.stroke]))
+    velocity = casadi_function(system.state, tuple(system.fields[stage.stroke]))
     centred = {i: rate for i, rate in task.rates(stage).items() if i not in task.moved}
 
     def along(x: Expression, d: Expression, u: float) -> Expression:

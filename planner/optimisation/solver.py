@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import signal
 import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import lru_cache
 from types import FrameType
@@ -71,24 +71,17 @@ def solver() -> Expression:
     return casadi
 
 
+@lru_cache  # programs of all sizes have the same few fields
 def casadi_function(
-    state: Sequence[sp.Symbol], expressions: Sequence[sp.Expr]
+    state: tuple[sp.Symbol, ...], expressions: tuple[sp.Expr, ...]
 ) -> Callable[[Expression], list[Expression]]:
     """SymPy expressions over a state as a function of CasADi's symbols of it."""
-    function = _lambda(tuple(state), tuple(expressions))
-    return lambda x: list(function(*(x[i] for i in range(len(state)))))
-
-
-@lru_cache  # programs of all sizes have the same few fields
-def _lambda(
-    state: tuple[sp.Symbol, ...], expressions: tuple[sp.Expr, ...]
-) -> Callable[..., list[Expression]]:
     ca = solver()
     named = {name: getattr(ca, name) for name in SAME_NAME} | {"Abs": ca.fabs}
-    function: Callable[..., list[Expression]] = sp.lambdify(
+    function = sp.lambdify(
         state, list(expressions), modules=[named], cse=True, dummify=True
     )
-    return function
+    return lambda x: list(function(*(x[i] for i in range(len(state)))))
 
 
 class Ipopt:

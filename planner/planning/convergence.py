@@ -39,7 +39,6 @@ class ConvergenceOrder:
     degree: int  # k of the nilpotent approximation
     bracket_degree: int  # d, the highest of the brackets that the path asks for
     order: float  # power of 1/n of the miss with n segments; infinite if exact
-    cancelled: bool  # whether the error of degree k + 1 cancels
 
     def __str__(self) -> str:
         if np.isinf(self.order):
@@ -104,7 +103,7 @@ def convergence_order(
     d = int(degrees[used].max(initial=1))
     longer = hall_fields(extended.system, steering.hall.generators, k + 1)
     if not used.any() or max(lie_algebra(longer.elements).degrees) <= k:
-        return ConvergenceOrder(k, d, np.inf, cancelled=True)
+        return ConvergenceOrder(k, d, np.inf)
     places = np.linspace(0, len(samples) - 1, ERROR_PLACES).astype(int)
     leading = np.zeros((ERROR_PLACES, len(steering.basis)))
     leading[:, list(steering.selected)] = inputs[places] * (degrees == d)
@@ -115,7 +114,7 @@ def convergence_order(
             _misses(extended, longer, samples[places], leading, wording)
             for wording in set(chain(*CHOICES[coordinates]))
         )
-    return ConvergenceOrder(k, d, (k + 1 + cancelled - d) / d, bool(cancelled))
+    return ConvergenceOrder(k, d, (k + 1 + cancelled - d) / d)
 
 
 def _misses(

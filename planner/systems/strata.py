@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import product
 
 import numpy as np
 import sympy as sp
@@ -205,21 +206,15 @@ class StratifiedSystem:
         On an edge of the graph, every contact that only one of its strata has is made
         or broken once.
         """
-        place = {name: i for i, name in enumerate(self.strata)}
-        fewest = np.full((len(place), len(place)), np.inf)
-        np.fill_diagonal(fewest, 0.0)
+        counts = {(name, name): 0 for name in self.strata}
         for low, high in self.edges:
-            broken = self.contacts[low] - self.contacts[high]
-            i, j = place[low], place[high]
-            fewest[i, j] = fewest[j, i] = len(broken)
-        for by in range(len(place)):  # Floyd and Warshall; scipy's takes 0.3 s to load
-            fewest = np.minimum(fewest, fewest[:, by, None] + fewest[by])
-        return {
-            (a, b): int(fewest[i, j])
-            for a, i in place.items()
-            for b, j in place.items()
-            if np.isfinite(fewest[i, j])
-        }
+            broken = len(self.contacts[low] - self.contacts[high])
+            counts[low, high] = counts[high, low] = broken
+        for by, a, b in product(self.strata, repeat=3):  # Floyd and Warshall's method
+            if (a, by) in counts and (by, b) in counts:
+                through = counts[a, by] + counts[by, b]
+                counts[a, b] = min(through, counts.get((a, b), through))
+        return counts
 
     def _require_distinct_contacts(self) -> None:
         for name in self.strata if len(self.strata) > 1 else ():
