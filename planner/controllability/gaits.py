@@ -9,7 +9,7 @@ gait's strata that are tangent to the first one, as the extended system of Def. 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -124,15 +124,17 @@ def gait_controllability(
     first = walk.strata[0]
     home = system.level_set(first)
     x = _configuration(system, home, at)
-    dimension = system.dimension - len(home.functions)
+    dimension = system.dimension_of(first)
     algebras = {
-        stratum: _closure_to(system.strata[stratum], system, stratum, x, max_depth)
-        for stratum in dict.fromkeys(walk.strata)
+        name: involutive_closure(
+            system.strata[name], system.state, x, max_depth, system.dimension_of(name)
+        )
+        for name in dict.fromkeys(walk.strata)
     }
     filtered = _filtration(system, walk, algebras, x)
     union, tangent = algebras[first], _tangent_fields(system, walk.strata, first)
     if len(algebras) > 1:
-        union = _closure_to(tangent, system, first, x, max_depth)
+        union = involutive_closure(tangent, system.state, x, max_depth, dimension)
     closed = column_space(union.columns)
     if max(filtered.shape[1], closed.shape[1]) < dimension:
         every = [*tangent.values(), *union.fields]
@@ -179,18 +181,6 @@ def _configuration(
         )
     home.require_regular(x)
     return x
-
-
-def _closure_to(
-    fields: Mapping[str, VectorField],
-    system: StratifiedSystem,
-    stratum: str,
-    x: Array,
-    max_depth: int,
-) -> LieClosure:
-    """The involutive closure of fields, until it spans a stratum's tangent space."""
-    size = system.dimension - len(system.level_set(stratum).functions)
-    return involutive_closure(fields, system.state, x, max_depth, size)
 
 
 def _filtration(
@@ -264,7 +254,9 @@ def _advice(
     for stratum in system.strata:
         if stratum not in walk.strata:
             tangent = _tangent_fields(system, (*walk.strata, stratum), home)
-            if _closure_to(tangent, system, home, x, union.depth).rank > union.rank:
+            size = system.dimension_of(home)
+            wider = involutive_closure(tangent, system.state, x, union.depth, size)
+            if wider.rank > union.rank:
                 advice.append(f"visit S{stratum}")
     if not union.complete and union.depth == max_depth:
         advice.append(f"form brackets beyond degree {max_depth}")

@@ -67,15 +67,10 @@ def hall_fields(
         >>> hall_fields(system, ["f", "g"], max_degree=3).names
         ('f', 'g', '[f,g]')
     """
-    pairs = list(combinations(generators, 2))
-    brackets = [
-        lie_bracket(system.fields[a], system.fields[b], system.state) for a, b in pairs
-    ]
-    clashing = frozenset(
-        frozenset(pair)
-        for pair, zero in zip(pairs, vanishing(brackets, system.state), strict=True)
-        if not zero
-    )
+    own, state = [system.fields[name] for name in generators], system.state
+    brackets = [lie_bracket(f, g, state) for f, g in combinations(own, 2)]
+    pairs = zip(combinations(generators, 2), vanishing(brackets, state), strict=True)
+    clashing = frozenset(frozenset(pair) for pair, zero in pairs if not zero)
     clash = frozenset().union(*clashing)
     numbers = tuple(i for i, g in enumerate(generators, start=1) if g in clash)
     count = len(numbers)
@@ -88,8 +83,8 @@ def hall_fields(
     beyond = hall_basis(count, degree)[count:] if numbers else ()
     full: list[Element] = [*range(1, len(generators) + 1)]
     full += [renumbered(element, numbers) for element in beyond]
-    fields = fields_of(full, [system.fields[name] for name in generators], system.state)
-    zeros = vanishing(list(fields.values()), system.state)
+    fields = fields_of(full, own, state)
+    zeros = vanishing(list(fields.values()), state)
     zero = frozenset(e for e, gone in zip(full, zeros, strict=True) if gone)
     ideal = _largest_ideal(zero, full, len(generators))
     elements = tuple(e for e in full if e not in ideal)

@@ -12,9 +12,9 @@ The conventions are those of Lafferriere and Sussmann, reference [3] of the pape
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
+from itertools import product
 from typing import Any
 
 
@@ -57,7 +57,13 @@ def hall_basis(generators: int, max_degree: int) -> tuple[Element, ...]:
         raise ValueError(f"max_degree is {max_degree}; generators have degree 1")
     layers: list[list[Element]] = [[*range(1, generators + 1)]]
     for total in range(2, max_degree + 1):
-        layers.append(sorted(_brackets(layers, total), key=place))
+        found = [
+            Bracket(left, right)
+            for low in range(1, total // 2 + 1)
+            for left, right in product(layers[low - 1], layers[total - low - 1])
+            if is_hall_pair(left, right)
+        ]
+        layers.append(sorted(found, key=place))
     return tuple(element for layer in layers for element in layer)
 
 
@@ -68,15 +74,6 @@ def free_dimension(generators: int, max_degree: int) -> int:
         shorter = sum(d * counts[d - 1] for d in range(1, n) if n % d == 0)
         counts.append((generators**n - shorter) // n)
     return sum(counts)
-
-
-def _brackets(layers: list[list[Element]], total: int) -> Iterator[Bracket]:
-    """Hall elements of one degree, from those of all lower degrees."""
-    for low in range(1, total // 2 + 1):
-        for left in layers[low - 1]:
-            for right in layers[total - low - 1]:
-                if is_hall_pair(left, right):
-                    yield Bracket(left, right)
 
 
 def is_hall_pair(left: Element, right: Element) -> bool:

@@ -206,8 +206,7 @@ def steer(
         stalled = distances[-1] > earlier / 2
         if hopeful and (stalled or part < FINEST):
             if aimed := _aimed_pieces(extended, way, execution, tolerance):
-                shots, ends = aimed, [shot.end for shot in aimed]
-                distances[1:] = [apart(end, x) for x in ends]
+                shots, distances[1:] = aimed, [apart(end, shot.end) for shot in aimed]
                 break
             hopeful = False
         if len(shots) >= max_shots or part < FINEST:

@@ -153,18 +153,16 @@ def checked_level_sets(
         require_known(f"level set of stratum {stratum!r}, which", stratum, strata)
         listed = given if isinstance(given, (tuple, list)) else [given]
         what = f"level set of S{stratum}"
-        functions = checked[stratum] = tuple(
-            _expression(what, f, state) for f in listed
-        )
+        functions = tuple(_expression(what, f, state) for f in listed)
+        checked[stratum] = functions
         for f in functions:
             slopes = LevelSet((f,), state).differential
             if slopes.atoms(sp.Derivative) - f.atoms(sp.Derivative):
                 raise ValueError(
                     f"{what}, {f}, has no derivative (Def. 1); give a smooth function"
                 )
-        if not functions:
-            continue
-        if LevelSet(functions, state).differential.rank() < len(functions):
+        level_set, count = LevelSet(functions, state), len(functions)
+        if functions and level_set.differential.rank() < count:
             raise ValueError(
                 f"level sets of S{stratum} are not independent: "
                 f"{', '.join(map(str, functions))} (Def. 1)"

@@ -10,7 +10,7 @@ evaluated once; others are compiled by `systems.fields.compile_fields`.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import cache
+from functools import cache, reduce
 
 import numpy as np
 import sympy as sp
@@ -85,7 +85,7 @@ class WeighedValues:
             values, weights = zip(*parts, strict=True)
             return sum(values[1:], values[0]), sum(weights[1:], weights[0])
         if entry.is_Mul:
-            return _product(parts)
+            return reduce(_times, parts)
         return _carried(_function(entry.func, len(parts)), parts)
 
 
@@ -109,12 +109,9 @@ def vanishing(fields: Sequence[VectorField], state: Symbols) -> tuple[bool, ...]
     return tuple(map(vanishes, fields))
 
 
-def _product(parts: Sequence[Weighed]) -> Weighed:
-    (value, weight), *others = parts
-    for factor, its_weight in others:
-        weight = weight * np.abs(factor) + np.abs(value) * its_weight
-        value = value * factor
-    return value, weight
+def _times(one: Weighed, other: Weighed) -> Weighed:
+    weight = one[1] * np.abs(other[0]) + np.abs(one[0]) * other[1]
+    return one[0] * other[0], weight
 
 
 def _carried(function: Callable[..., Array], parts: Sequence[Weighed]) -> Weighed:

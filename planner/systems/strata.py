@@ -101,8 +101,12 @@ class StratifiedSystem:
 
     @cached_property
     def bottom_dimension(self) -> int:
-        """Dimension of the bottom stratum: n minus the number of its level sets."""
-        return self.dimension - len(self.level_set(self.bottom).functions)
+        """Dimension of the bottom stratum."""
+        return self.dimension_of(self.bottom)
+
+    def dimension_of(self, stratum: str) -> int:
+        """Dimension of a stratum: n minus the number of its level sets."""
+        return self.dimension - len(self.level_set(stratum).functions)
 
     @cached_property
     def weights(self) -> Array:
