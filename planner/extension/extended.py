@@ -65,10 +65,9 @@ class ExtendedSystem:
         """Inputs v with B(x) v = velocity, eq. (5), of least norm if not unique.
 
         Configurations x on the bottom stratum and velocities have shape (..., n), the
-        inputs (..., p). The norm measures them in units of shape (p,), those of their
-        declaration if not given. Raises `SingularConfigurationError` if a field is not
-        finite, `RankError` if the elements do not span the tangent space of the bottom
-        stratum, and `PlannerError` if a velocity leaves it.
+        inputs (..., p), measured in units (p,) if given. Raises
+        `SingularConfigurationError` where a field is not finite, `RankError` where the
+        elements do not span, and `PlannerError` if a velocity leaves the stratum.
         """
         matrix = self.columns(x)  # (..., n, p)
         inverse = _inverse(matrix[..., self._moving, :])
@@ -211,12 +210,11 @@ def _extended(
         raise ValueError(
             "no elements; choose fields that span the bottom stratum (Def. 3)"
         )
-    for name in names:
-        if names.count(name) > 1:
-            raise ValueError(f"element {name} is listed twice; keep one")
     columns = [column(tree, system) for tree in trees]
     zeros = vanishing(columns, system.state)
     for name, tree, zero in zip(names, trees, zeros, strict=True):
+        if names.count(name) > 1:
+            raise ValueError(f"element {name} is listed twice; keep one")
         if zero:
             reason = "its fields commute" if len(leaves(tree)) > 1 else "it is zero"
             raise PlannerError(f"element {name} vanishes everywhere: {reason}; drop it")

@@ -72,12 +72,11 @@ class InputUnits:
     def measured(self, hall_coordinates: Array, at: Array) -> tuple[Array, Array]:
         """Coordinates without their rounding, and a unit for each input and segment.
 
-        Takes backward coordinates, shape (segments, s), and the configurations where
-        segments start, (segments, n). Coordinates that move by less than `ROUNDING` of
-        the largest motion, or of where it starts from, are zero. Units have a sign,
-        shape (segments, m); generators of one length have the same. They are multiples
-        of the size of a segment's flows, a power of two, so that in these units what is
-        small beside one is rounding.
+        Takes backward coordinates (segments, s), and the configurations (segments, n)
+        where segments start. Coordinates that move by less than `ROUNDING` of the
+        largest motion, or of where it starts from, are zero. Units (segments, m) have a
+        sign, are the same for generators of one length, and are multiples of the size
+        of a segment's flows, so that what is small beside one is rounding.
         """
         units = self.at(at)
         motions = np.abs(hall_coordinates / weights(self.elements, units))
@@ -171,8 +170,7 @@ class Rectangles:
     def scales(self, hall_coordinates: Array, at: Array, units: Array) -> Array:
         """A scale for each generator and segment, shape (segments, m).
 
-        Takes backward coordinates, shape (segments, s), the configurations where
-        segments start, (segments, n), and the units of the inputs, (segments, m).
+        Arguments are those of `InputUnits.measured`, and the units that it gives.
         """
         if self.fields is None or not hall_coordinates[:, self._tops].any():
             return units

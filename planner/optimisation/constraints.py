@@ -1,6 +1,7 @@
-"""Constraints of the nonlinear program, from the motion and the path as CasADi's own.
+"""Constraints of the nonlinear program, and the CasADi functions that they read.
 
-Margins tighten their bounds, where the motion between checked points asks for it.
+These are the motion within a stage and the distance from the path. Margins tighten the
+bounds of constraints where the motion between checked points asks for it.
 """
 
 from __future__ import annotations

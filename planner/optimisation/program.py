@@ -59,8 +59,8 @@ class Unknowns:
     def widths(self) -> int:
         """Number of unknowns for the width of the corridor.
 
-        With soft constraints each stage has its own, and all are constrained to be
-        equal: one unknown in thousands of rows would make the matrices dense.
+        With soft constraints each stage has its own, all constrained to be equal: one
+        unknown in thousands of rows would make the matrices dense.
         """
         return self.count if self.task.relaxed is not self.task else 1
 
@@ -107,10 +107,9 @@ class Unknowns:
         goal: Array | None,
         narrowest: float,
     ) -> tuple[Array, Array]:
-        """Lower and upper bounds of the vector.
+        """Lower and upper bounds of the vector, for a motion from a state to a goal.
 
-        The motion leads from a state (n,) to a goal likewise, if there is one, between
-        two places on the path. The corridor has a smallest width, in tolerances.
+        It goes between two places on the path, in a corridor of a smallest width.
         """
         count, wide, moved = self.count, self.task.most_recoveries, self.task.moved
         spans = [self.task.limits.get(i, (-np.inf, np.inf)) for i in moved]
@@ -186,10 +185,7 @@ class Program:
     def guess(
         self, strokes: Array, start: Array, places: tuple[float, float]
     ) -> Solution:
-        """A first guess: strokes (count,), each centred on zero, and their motion.
-
-        It leads from a state (n,), and between two places on the path.
-        """
+        """A first guess: strokes (count,), each centred on zero, and their motion."""
         moved, stages = self.task.moved, self.unknowns.stages
         strokes, recoveries = self.unknowns.centred(strokes, start)
         states = [start[moved]]
@@ -212,9 +208,8 @@ class Program:
     ) -> Solution | None:
         """The local optimum near a guess; None if the solver finds none.
 
-        It begins in the guess's first state and ends in the goal, shape (n,), or
-        anywhere within the tolerances if that is None, between two places on the path.
-        The solver stays near a guess that is nearly optimal.
+        It begins in the guess's first state and ends in the goal, or anywhere within
+        the tolerances if there is none. The solver stays `near` a good guess.
         """
         start = guess.states[0]
         lowest, highest = self.unknowns.bounds(start, places, goal, CHECKED_SHARE)

@@ -203,9 +203,8 @@ class Plane:
         """Duration of a step of driving."""
         x = np.zeros(self.system.dimension)
         x[self.steered] = max(STEERED)
-        return STEP / max(
-            float(np.abs(self._driving(x)[list(self.headings)]).max()), SAME
-        )
+        fastest = np.abs(self._driving(x)[list(self.headings)]).max()
+        return STEP / max(float(fastest), SAME)
 
     @cached_property
     def _place(self) -> CompiledFields:

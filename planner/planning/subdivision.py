@@ -1,11 +1,10 @@
 """Subdivide a path until the motion along it keeps its bounds (Sec. 5.2).
 
 The strokes of a bracket of size h have length sqrt(h), so a motion departs from its
-nominal path by about the square root of the length of a segment. Let the slack of a
-bound be `standing` on the nominal path itself and `walking` along the motion. A segment
-of negative slack is therefore cut into about ((standing - walking) / standing)^2
-pieces. If the departure grows with the length itself, as that of strokes along the
-heading does, the exponent is 1. Callers decide what is bounded.
+nominal path by about the square root of the length of a segment, or the length itself
+along the heading. With a slack `standing` on the path itself and `walking` along the
+motion, a segment is therefore cut into about ((standing - walking) / standing)^2 pieces
+or without the square. Callers decide what is bounded.
 """
 
 from __future__ import annotations

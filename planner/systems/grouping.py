@@ -24,12 +24,9 @@ Commute = Callable[[str, str], bool]
 Pattern = tuple[str, ...]  # the fields of a word
 Joined = tuple[Pattern, Pattern, tuple[int, ...], list[tuple[int, list[int]]]]
 """Strata and fields of flows, the first place of each, and the others of some."""
-
-_flow = partial(tuple.__new__, Flow)  # a third of the time of calling it
-
-
 Costs = tuple[tuple[str, int], ...]
 """Switches on the way to each stratum, beyond those to the cheapest."""
+_flow = partial(tuple.__new__, Flow)  # a third of the time of calling it
 
 
 @dataclass(frozen=True, slots=True)

@@ -93,9 +93,8 @@ def vanishing(fields: Sequence[VectorField], state: Symbols) -> tuple[bool, ...]
     """Which fields are zero everywhere, judged at random configurations.
 
     An analytic field that vanishes at random points vanishes everywhere, so no formula
-    is simplified. Points where a field is singular are passed over; one that is
-    singular at all does not count as zero. Python functions are evaluated near the
-    origin only.
+    is simplified. Points where a field is singular are passed over, unless all are.
+    Python functions are evaluated near the origin only.
     """
     near = sample_configurations(len(state))
     formulas = WeighedValues(state, np.vstack([near, FARTHER * near]))
