@@ -92,8 +92,8 @@ def adopt(options: argparse.Namespace) -> None:
     ]
     trust = " --allow-external" if setup.robot.opened.external else ""
     to_do = (
-        f"{'to do':12}read the card, correct what is wrong, and walk: "
-        f"stratawalk run line --robot {source.path}{trust}"
+        f"{'to do':12}read the card, which says what each joint does, correct it, and "
+        f"walk: stratawalk run line --robot {source.path}{trust}"
     )
     told = {"written": files, "guesses": draft.guesses, "robot": found}
     report(options, told, describe(found), "", *lines, to_do)

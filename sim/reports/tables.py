@@ -33,7 +33,7 @@ SHIFTED = {  # what the phases of a walk are called in the table of sources
 }
 SUMS = {
     "all swings": ("swing",),
-    "all handovers": ("lift", "land"),
+    "all lift-offs and touchdowns": ("lift", "land"),
     "all together": tuple(SHIFTED),
 }
 

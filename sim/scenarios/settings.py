@@ -146,7 +146,7 @@ class Settings:
         "times that the search for an optimised plan starts again", 130, "plan"
     )
     overlap_recovery: bool = setting(
-        "let legs in the air recover while others stroke",
+        "swing legs in the air back (recover) while others move the body (stroke)",
         False,
         "plan",
         formerly="together",

@@ -58,7 +58,7 @@ def test_json_holds_a_row_a_run(runs, capsys):
 
 
 def test_it_says_what_each_kind_of_phase_adds_to_the_drift(runs, capsys):
-    """All swings and handovers together come to the way off the ideal prediction."""
+    """All phases together come to the way off the ideal prediction."""
     assert main(["compare", *map(str, runs), "--json"]) == 0
     drift = json.loads(capsys.readouterr().out)["drift"][0]
     cells = {name: cell.replace("−", "-").split() for name, cell in drift.items()}
@@ -66,7 +66,7 @@ def test_it_says_what_each_kind_of_phase_adds_to_the_drift(runs, capsys):
     error = read_run(runs[0]).summary.error["ideal"].position
     whole, swings = off["all together"], off["all swings"]
     assert whole == pytest.approx(1e3 * error, abs=0.006)
-    rest = off["all handovers"] + off["standing still on S12"]
+    rest = off["all lift-offs and touchdowns"] + off["standing still on S12"]
     assert swings + rest == pytest.approx(whole, abs=0.02)
     assert off["swing on S1"] + off["swing on S2"] == pytest.approx(swings, abs=0.02)
     assert abs(float(cells["all together"][1].strip("()"))) <= whole
