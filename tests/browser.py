@@ -109,13 +109,20 @@ def picture_of(ask_page):
     return np.asarray(Image.open(io.BytesIO(shot)).convert("RGB")).astype(int)
 
 
-def drag(ask_page, start, end, hold=2.0):
-    """Press the mouse at one place and release it at another, slowly enough to see."""
+def draws(ask_page, pictures=3):
+    """Wait until a page has drawn some more pictures."""
+    count = f"let n = {pictures}; const next = () => n-- ? requestAnimationFrame(next)"
+    wait = f"new Promise((done) => {{ {count} : done(); next(); }})"
+    ask_page("Runtime.evaluate", expression=wait, awaitPromise=True)
+
+
+def drag(ask_page, start, end):
+    """Press the mouse at one place and release it at another, pictures in between."""
     steps = ("mouseMoved", start), ("mousePressed", start), ("mouseMoved", end)
     for kind, (x, y) in (*steps, ("mouseReleased", end)):
         told = {"x": x, "y": y, "button": "left", "clickCount": 1}
         ask_page("Input.dispatchMouseEvent", type=kind, **told)
-        time.sleep(hold)
+        draws(ask_page)
 
 
 @contextmanager

@@ -26,6 +26,7 @@ from sim.sweeps.ledger import OK, Outcome, opened, read_ledger
 from sim.sweeps.table import Row, write_table
 from sim.sweeps.worker_pool import Task, open_pool
 
+GOLDEN = (5**0.5 - 1) / 2  # whose multiples leave no large gap in the unit interval
 Show = Callable[[int, int, int], None]  # given the points done, failed, and all
 
 
@@ -49,9 +50,16 @@ class Points:
     plans: Mapping[int, int]  # the first point that has the same plan as each
 
     def tasks(self, known: Mapping[str, Outcome]) -> list[Task]:
-        """What is to be walked; walks of one plan come one after another."""
+        """What is to be walked; walks of one plan come one after another.
+
+        Otherwise the first points are spread over all, to tell how long the rest takes.
+        """
         todo = {d: p for p, d in self.digests.items() if d not in known}
-        order = sorted(todo.values(), key=lambda point: (self.plans[point], point))
+
+        def place(point: int) -> tuple[float, float]:
+            return GOLDEN * self.plans[point] % 1.0, GOLDEN * point % 1.0
+
+        order = sorted(todo.values(), key=place)
         without = self.sweep.without
         return [Task(self.digests[p], self.tables[p], without) for p in order]
 

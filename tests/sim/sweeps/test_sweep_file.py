@@ -71,6 +71,15 @@ def test_what_may_be_left_out_is_said(tmp_path):
         read_sweep(str(path))
 
 
+def test_the_first_points_that_are_walked_tell_of_the_time_that_all_take(tmp_path):
+    """Walks with higher lifts take longer than others."""
+    varies = "[grid]\nlift_height = [0.01, 0.015, 0.02, 0.03]\ndraw = [1, 2, 3, 4]\n"
+    points = points_of(read_sweep(str(write_sweep(tmp_path, varies))), Shard())
+    heights = [task.table["lift_height"] for task in points.tasks(known=())]
+    assert sorted(heights[:4]) == [0.01, 0.015, 0.02, 0.03]
+    assert len(heights) == 16
+
+
 def test_walks_of_one_plan_come_one_after_another(tmp_path):
     varies = '[grid]\nfriction = [0.5, 1.0]\nstance = ["centred", "paper"]\n'
     points = points_of(read_sweep(str(write_sweep(tmp_path, varies))), Shard())
