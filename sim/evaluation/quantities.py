@@ -187,7 +187,7 @@ def _facts(summary: Summary) -> Iterator[tuple[str, str]]:
     seconds, strokes = summary.per_metre.seconds, summary.per_metre.strokes
     if seconds is not None and strokes:
         took = f"{seconds:.0f} s and {strokes:.1f} rad of strokes"
-        yield "a metre", f"of path takes {took}"
+        yield "a metre", f"of path: {took}"
     if (real := summary.measured) is not None:
         yield from (("measured", words) for words in _measured(real))
     if (sensed := summary.feedback) is not None:
