@@ -33,7 +33,7 @@ from sim.scenarios.file import dumps
 from sim.scenarios.scenario import Scenario
 from sim.simulation import Prepared, Simulation, simulate
 from sim.walking.finished import Walk
-from sim.walking.walker import Walker
+from sim.walking.walks import Walker
 from sim.world.model import origin
 
 CARD = "model.toml"  # beside model.xml, as a robot's card is

@@ -30,8 +30,7 @@ from sim.problems.scenario import ScenarioProblem
 from sim.progress import Progress, at_most, silent, stage
 from sim.scenarios.scenario import Scenario
 from sim.walking.finished import Walk
-from sim.walking.walker import Walker
-from sim.walking.walks import carry_out, expected_steps
+from sim.walking.walks import Walker, carry_out, expected_steps
 
 
 @dataclass(frozen=True, eq=False)

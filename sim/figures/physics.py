@@ -23,7 +23,7 @@ from sim.motion.schedule import Phase
 from sim.preparation.setup import Setup, prepare
 from sim.scenarios.file import load_scenario
 from sim.simulation import simulate
-from sim.walking.walker import Walker
+from sim.walking.walks import Walker
 
 SAMPLE_EVERY = 50  # steps; bodies move a millimetre in between
 NOMINAL = 601  # points of the nominal path

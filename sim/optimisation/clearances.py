@@ -266,7 +266,7 @@ def _between(disc: MovingPart, one: MovingPart, other: MovingPart) -> bool:
 
 def hull_of(points: Array) -> list[int]:
     """Indices of the corners of a convex hull, counter-clockwise."""
-    hull = shapely.convexhull_of(shapely.multipoints(points))
+    hull = shapely.convex_hull(shapely.multipoints(points))
     if hull.geom_type == "Polygon":
         hull = shapely.normalize(hull).exterior.reverse()
     corners = shapely.get_coordinates(hull)

@@ -1,25 +1,45 @@
-"""Plans for walks: of the whole path, or of the next segment.
+"""Plans for walks, of the whole path or the next segment, steered on a prediction.
 
-The scenario names the prediction to steer on. The planner itself uses the ideal one.
+The twists of the planner's fields are constant; those of real legs are not. The aim of
+every segment is shifted by the error of its predicted end, in the frame of the
+segment's start, and planned again until every predicted end lies on the nominal path.
 
-Servos with a resolution move to whole counts. The effect of rounding the end of each
-stroke is known beforehand, so the next segment is planned from the pose that is then
-predicted, and errors do not add up. Nothing is measured: the walk is still open loop.
+Servos with a resolution move to whole counts. What rounding the end of each stroke does
+is known beforehand, and the next segment is planned from the pose that is predicted.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+from itertools import accumulate
 
 import numpy as np
 
-from planner import Flow, Plan, merged, rollout
-from planner.planning import Step, grid, require_segments
+from models import TwistModel
+from models.motion import Strokes
+from planner import (
+    Array,
+    ConvergenceError,
+    Flow,
+    Path,
+    Plan,
+    RangeError,
+    merged,
+    plan,
+    rollout,
+)
+from planner.execution import Coordinates
+from planner.planning import Step, grid, plan_step, require_segments
+from planner.support import tick
 from sim.experiments.predictions import twist_model
-from sim.motion.poses import compose, nearest_turn
-from sim.planning.aiming import plan_along, segment_ends, steer_along, steer_towards
+from sim.motion.poses import compose, nearest_turn, relative
 from sim.preparation.setup import Setup
 
+AIMING_ROUNDS = 12  # each at least halves the error, unless the prediction jumps
+MET_WITHIN = 1e-7  # [m] and [rad]
+PLAIN_ROUNDS = 4  # as many as most walks need; extrapolated from then on
+TOLERATED_JUMP = 0.1  # tolerated error of a segment's end, as a part of its length
 MOST_COUNTS = 4  # that are tried as one, for legs of other gains
 ON_COUNT = 0.02  # counts, by which a leg may be off
 RANGE_ROUNDING = 1e-9  # [rad], beyond the joint range
@@ -53,16 +73,14 @@ def plan_replanned(setup: Setup) -> Plan:
 def plan_segment(
     setup: Setup,
     segment: int,
-    pose: np.ndarray,
+    pose: Array,
     swing: tuple[float, ...],
-    meant: np.ndarray | None = None,
+    meant: Array | None = None,
 ) -> Step:
     """Plan a segment, from 0 on, from the pose reached to its end on the nominal path.
 
-    The predicted end meets the target; the error of the paper's words is not left to
-    the next segment, since there may be none. The groups swing by angles in radians.
-    Where another motion is meant, shape (3,), seen from where the segment starts, its
-    end is the target.
+    The predicted end meets the target. The groups begin at angles `swing`. If another
+    motion is meant, shape (3,), seen from where the segment starts, it ends there.
     """
     target = segment_target(setup, segment)
     here = np.array([*pose[:2], nearest_turn(pose[2], to=target[2])])
@@ -74,25 +92,21 @@ def plan_segment(
 
 
 def _on_counts(setup: Setup) -> Plan:
-    """One plan whose strokes end on the servos' counts.
-
-    What rounding adds to each segment or takes away is made good by the next one, which
-    is planned from where the quasi-static prediction stands.
-    """
+    """One plan whose strokes end on counts, by the quasi-static prediction."""
     plan_along(setup, setup.nominal())  # refused where the joint range is too short
     twists = twist_model(setup, "quasi_static")
     swings = setup.equations.swings
     pose, swing, plans = np.zeros(3), setup.at_rest.swing, list[Plan]()
     for segment in range(setup.scenario.segments):
-        plan = plan_segment(setup, segment, pose, swing).plan
-        pose = compose(pose, segment_ends(setup, plan, twists, swing)[-1])
-        changes = [np.multiply(swings[f.field], f.duration) for f in plan.flows]
+        own = plan_segment(setup, segment, pose, swing).plan
+        pose = compose(pose, segment_ends(setup, own, twists, swing)[-1])
+        changes = [np.multiply(swings[f.field], f.duration) for f in own.flows]
         swing = tuple(np.sum([np.array(swing), *changes], axis=0).tolist())
-        plans.append(plan)
+        plans.append(own)
     return _joined(setup, plans)
 
 
-def segment_target(setup: Setup, segment: int) -> np.ndarray:
+def segment_target(setup: Setup, segment: int) -> Array:
     """Pose of the nominal path at the end of a segment, shape (3,)."""
     nominal, segments = setup.nominal(), setup.scenario.segments
     require_segments(segments, setup.scenario.path.curve)
@@ -113,21 +127,17 @@ def _step_on_counts(setup: Setup, step: Step, swing: tuple[float, ...]) -> Step:
         angles = angles + direction * duration
         flows.append(flow._replace(duration=duration))
     flows = [flow for flow in flows if flow.duration]
-    plan = replace(step.plan, flows=tuple(flows), segment_ends=(len(flows),))
-    return replace(step, plan=plan)
+    counted = replace(step.plan, flows=tuple(flows), segment_ends=(len(flows),))
+    return replace(step, plan=counted)
 
 
 def _count(setup: Setup, group: int, angle: float) -> float:
-    """The angle nearest to one of a group at which its legs are on counts.
-
-    Where gains allow it that is so of all of them, else of the one that swings most.
-    """
+    """The nearest angle of a group at which its legs, or the fastest, are on counts."""
     robot, resolution = setup.robot, setup.servo.resolution
     legs = np.flatnonzero(robot.group_of_leg == group)
     fastest = legs[np.abs(robot.swing_gain[legs]).argmax()]
     gain = robot.swing_gain[fastest]
-    joint = robot.card.legs[robot.legs[fastest]].swing
-    standing = robot.standing_angle(joint)
+    standing = robot.standing_angle(robot.leg_cards[fastest].swing)
     gains = np.abs(robot.swing_gain[legs] / gain)
     for counts in range(1, MOST_COUNTS + 1):  # of the fastest, at which all are on some
         if np.abs(counts * gains - np.round(counts * gains)).max() < ON_COUNT:
@@ -145,9 +155,137 @@ def _joined(setup: Setup, plans: list[Plan]) -> Plan:
     nominal = setup.nominal()
     return replace(
         plans[0],
-        flows=tuple(flow for plan in plans for flow in plan.flows),
-        segment_ends=tuple(np.cumsum([len(plan.flows) for plan in plans]).tolist()),
-        inputs=np.concatenate([plan.inputs for plan in plans]),
-        hall_coordinates=np.concatenate([plan.hall_coordinates for plan in plans]),
+        flows=tuple(flow for own in plans for flow in own.flows),
+        segment_ends=tuple(np.cumsum([len(own.flows) for own in plans]).tolist()),
+        inputs=np.concatenate([own.inputs for own in plans]),
+        hall_coordinates=np.concatenate([own.hall_coordinates for own in plans]),
         nominal=nominal.at(grid(nominal, setup.scenario.segments)),
+    )
+
+
+def plan_along(
+    setup: Setup, path: Path, coordinates: Coordinates | None = None
+) -> Plan:
+    """One plan for a whole path, in the scenario's coordinates if none are given."""
+    followed = coordinates or setup.coordinates
+    execution = replace(setup.execution(), coordinates=followed)
+    return plan(setup.extended, path, setup.scenario.segments, execution=execution)
+
+
+def steer_along(setup: Setup, twists: TwistModel) -> Plan:
+    """A plan whose every segment is predicted to end on the nominal path.
+
+    If the cheaper coordinates were chosen anew in each round, the prediction would
+    jump. It still jumps where a bracket changes its sign; there a segment may end
+    beside the path by a small part of its length.
+    """
+    nominal = setup.nominal()
+    goals = np.array([nominal(s)[:3] for s in grid(nominal, setup.scenario.segments)])
+    wanted = relative(goals[:-1], goals[1:])  # (segments, 3)
+    tolerable = TOLERATED_JUMP * np.abs(wanted).max()
+    aims, best, least, worst = wanted, None, np.inf, 0
+    tried, corrected = list[Array](), list[Array]()
+    steady = "backward" if setup.coordinates == "fewest" else setup.coordinates
+    for _ in range(AIMING_ROUNDS):
+        tick()
+        try:
+            planned = plan_along(setup, _path(setup, goals[0], aims), steady)
+        except RangeError:
+            if best is None or least <= tolerable:
+                raise
+            break  # the aims diverge
+        ends = segment_ends(setup, planned, twists)
+        misses = np.abs(ends - goals).max(axis=1)
+        if misses.max() < least:
+            best, least, worst = planned, misses.max(), int(misses.argmax())
+        if least < MET_WITHIN:
+            break
+        off = relative(relative(ends[:-1], ends[1:]), wanted)
+        tried.append(aims)
+        corrected.append(compose(aims, off))
+        slow = len(tried) > PLAIN_ROUNDS
+        aims = _extrapolated(tried, corrected) if slow else corrected[-1]
+    if best is None or least > tolerable:
+        raise _failure(setup, worst - 1, float(least))  # misses[0] is the start's
+    return best
+
+
+def _extrapolated(aims: Sequence[Array], corrected: Sequence[Array]) -> Array:
+    """The next aims (segments, 3) where errors shrink evenly (Anderson's method)."""
+    tried, found = (np.reshape(each, (len(each), -1)) for each in (aims, corrected))
+    errors, steps = np.diff(found - tried, axis=0).T, np.diff(found, axis=0).T
+    shares = np.linalg.lstsq(errors, (found - tried)[-1], rcond=None)[0]
+    return (found[-1] - steps @ shares).reshape(aims[0].shape)
+
+
+def steer_towards(
+    setup: Setup,
+    twists: TwistModel,
+    segment: int,
+    target: Array,
+    pose: Array,
+    swing: tuple[float, ...],
+) -> Step:
+    """Plan one segment, from 0 on, from the pose reached to the target it shall meet.
+
+    A segment that the joint range cuts short is left as it is. Where the prediction
+    jumps because other words become cheaper, the closest attempt is taken.
+    """
+    last = segment == setup.scenario.segments - 1
+    execution = setup.execution(finish=last or setup.learns)
+    here, wanted = setup.state(pose, swing), relative(pose, target)
+    aim, best, least = wanted, None, np.inf
+    for _ in range(AIMING_ROUNDS):
+        tick()
+        there = setup.state(compose(pose, aim))
+        step = plan_step(setup.extended, here, there, execution)
+        got = segment_ends(setup, step.plan, twists, swing)[-1]
+        miss = float(np.abs(got - wanted).max())
+        if step.fraction < 1 or miss < MET_WITHIN:
+            return step
+        if miss < least:
+            best, least = step, miss
+        aim = compose(aim, relative(got, wanted))
+    if best is None or least > TOLERATED_JUMP * np.abs(wanted).max():
+        raise _failure(setup, segment, least)
+    return best
+
+
+def segment_ends(
+    setup: Setup,
+    planned: Plan,
+    twists: TwistModel,
+    swing: tuple[float, ...] | None = None,
+) -> Array:
+    """Predicted pose at the start and at the end of each segment, (segments + 1, 3).
+
+    The walk begins with every group at `swing` [rad], or at angle 0.
+    """
+    swings, groups = setup.equations.swings, setup.robot.groups
+    flows, start = planned.flows, np.zeros(len(groups)) if swing is None else swing
+    moves = [(f.stratum, np.multiply(swings[f.field], f.duration)) for f in flows]
+    strokes, loaded = Strokes.among(moves, groups, start)
+    clock = np.concatenate([[0], np.cumsum(loaded)])
+    ends = clock[[0, *planned.segment_ends]].astype(float)
+    return strokes.travel(twists, setup.kinematics).pose(ends)
+
+
+def _path(setup: Setup, start: Array, aims: Array) -> Path:
+    """Straight from aim to aim, each taking an equal share of s."""
+    poses = accumulate(aims, compose, initial=start)
+    knots = np.array([setup.state(pose) for pose in poses])
+    where = np.linspace(0.0, 1.0, len(knots))
+
+    def at(s: Array) -> Array:
+        return np.stack([np.interp(s, where, column) for column in knots.T], axis=1)
+
+    return Path(at, corners=tuple(where[1:-1]))
+
+
+def _failure(setup: Setup, segment: int, miss: float) -> ConvergenceError:
+    scenario = setup.scenario
+    return ConvergenceError(
+        f"segment {segment + 1} of {scenario.segments} still misses its end by "
+        f"{1e3 * miss:.3g} mm or mrad, steered on the {scenario.steer} prediction; "
+        "use more segments, or steer on another one"
     )

@@ -10,8 +10,7 @@ from sim.motion.poses import wrap
 from sim.planning.open_loop import plan_open_loop
 from sim.preparation.setup import prepare
 from sim.scenarios.file import load_scenario
-from sim.walking.walker import Walker
-from sim.walking.walks import carry_out
+from sim.walking.walks import Walker, carry_out
 
 pytestmark = pytest.mark.physics
 PATH = {"path": {"kind": "line", "goal": [0.01, 0.01, 0.1]}, "segments": 2}

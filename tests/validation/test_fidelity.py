@@ -14,8 +14,7 @@ from sim.planning.open_loop import plan_open_loop
 from sim.preparation.setup import prepare
 from sim.runs.in_memory import trajectory
 from sim.scenarios.file import load_scenario
-from sim.walking.walker import Walker
-from sim.walking.walks import carry_out
+from sim.walking.walks import Walker, carry_out
 from tests.walks import COSTLY
 
 pytestmark = pytest.mark.physics

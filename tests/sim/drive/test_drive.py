@@ -15,7 +15,7 @@ from sim.errors import SimulationError, UsageError
 from sim.motion.schedule import Scheduler
 from sim.physics.engine import Engine
 from sim.preparation.setup import prepare
-from sim.walking.walker import Walker
+from sim.walking.walks import Walker
 from tests.walks import simulated
 
 SOFT = {"servo_stiffness": 50.0, "servo_damping": 1.0}

@@ -11,8 +11,7 @@ from sim.planning.open_loop import plan_open_loop
 from sim.preparation.setup import prepare
 from sim.scenarios.body_path import line
 from sim.scenarios.scenario import Scenario
-from sim.walking.walker import Walker
-from sim.walking.walks import carry_out
+from sim.walking.walks import Walker, carry_out
 
 pytestmark = pytest.mark.physics
 

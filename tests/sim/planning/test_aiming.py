@@ -11,8 +11,13 @@ from planner.planning.rollouts import rollout
 from planner.systems.flows import Flow
 from sim.experiments.predictions import twist_model
 from sim.motion.poses import compose, relative
-from sim.planning.aiming import segment_ends, steer_along, steer_towards
-from sim.planning.open_loop import plan_open_loop, plan_segment
+from sim.planning.open_loop import (
+    plan_open_loop,
+    plan_segment,
+    segment_ends,
+    steer_along,
+    steer_towards,
+)
 from sim.preparation.scheduling import joined
 from sim.preparation.setup import prepare
 from sim.scenarios.file import load_scenario

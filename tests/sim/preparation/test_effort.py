@@ -10,8 +10,7 @@ from sim.preparation.scheduling import MOST_STEPS, check_distance, check_effort
 from sim.preparation.setup import prepare
 from sim.run_folder import run
 from sim.scenarios.body_path import line
-from sim.walking.walker import Walker
-from sim.walking.walks import carry_out, expected_steps
+from sim.walking.walks import Walker, carry_out, expected_steps
 
 
 @pytest.mark.parametrize(

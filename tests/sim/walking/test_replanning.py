@@ -10,8 +10,7 @@ from sim.preparation.setup import prepare
 from sim.scenarios.body_path import line
 from sim.scenarios.file import load_scenario
 from sim.scenarios.scenario import Scenario
-from sim.walking.walker import Walker
-from sim.walking.walks import carry_out
+from sim.walking.walks import Walker, carry_out
 
 BENT = {"zero_offset": radians(1.0), "slope": [0.03, 1.0], "draw": 2}
 
