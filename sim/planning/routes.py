@@ -2,8 +2,7 @@
 
 A route is found by OMPL's RRT-Connect among the curves of Reeds and Shepp, that is arcs
 and straight lines with the heading along them, forward or backward, and shortened by
-OMPL's simplifier. A robot that walks along its heading needs no brackets; its tube is
-narrow, and room for it is kept on both sides.
+OMPL's simplifier. A robot that walks along its heading needs no brackets.
 """
 
 from __future__ import annotations
@@ -34,10 +33,7 @@ CHORD = 0.02  # [m] of the way, at most; half a millimetre off the tightest arc
 
 
 def routed(setup: Setup) -> Setup:
-    """Find the nominal path of a scenario that gives only a goal.
-
-    Any other setup is returned unchanged. Without obstacles the path is a line.
-    """
+    """The setup with a nominal path, where its scenario gives only a goal."""
     scenario = setup.scenario
     if scenario.path.kind != "route":
         return setup

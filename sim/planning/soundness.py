@@ -1,7 +1,6 @@
 """Refusal of plans that are predicted to tip the robot over or to make legs collide.
 
-Both are decided from the commanded angles alone, with the body level and the contacts
-as planned; no prediction of the body's motion is involved.
+The commanded angles alone decide, with the body level and the contacts as planned.
 """
 
 from __future__ import annotations
@@ -30,12 +29,8 @@ Pairs = dict[tuple[int, int], float]  # geoms that touch, and how deep [m]
 
 
 def require_sound(setup: Setup, planned: Plan) -> None:
-    """Refuse an open-loop plan that tips over or makes legs collide.
-
-    A search may have used up the time to plan in, and what it ends with is looked at
-    all the same. A scenario that allows unstable plans is passed over.
-    """
-    searched = setup.scenario.optimise != "none"
+    """Refuse an open-loop plan that tips over or makes legs collide, unless allowed."""
+    searched = setup.scenario.optimise != "none"  # which may have used up the time
     with unlimited() if searched else nullcontext():
         require_sound_flows(setup, planned.segments(), setup.at_rest)
 
@@ -60,13 +55,9 @@ def _refuse_tipping(setup: Setup, schedule: Schedule, rows: Array) -> None:
     margin = stability_margin(stance.feet, planted[phase], stance.center_of_mass)
     worst = int(margin.argmin())
     if margin[worst] < TIPPING:
-        stratum = schedule.phases[phase[worst]].stratum
-        raise _refusal(
-            f"the plan tips the robot over: its margin on S{stratum} is predicted as "
-            f"{1e3 * margin[worst]:.1f} mm",
-            setup,
-            rows[worst],
-        )
+        where = f"its margin on S{schedule.phases[phase[worst]].stratum} is predicted"
+        what = f"the plan tips the robot over: {where} as {1e3 * margin[worst]:.1f} mm"
+        raise _refusal(what, setup, rows[worst])
 
 
 def _refuse_collisions(setup: Setup, swing: Array, lift: Array, rows: Array) -> None:

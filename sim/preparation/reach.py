@@ -13,6 +13,7 @@ from planner import Array, Gait, Path, PlannerError, StratumError
 from planner.extension import AFFORDABLE
 from planner.support import limited
 from sim.errors import SimulationError, UsageError
+from sim.motion.poses import relative
 from sim.scenarios.scenario import Scenario
 
 WAYS = ("x", "y", "theta")
@@ -46,21 +47,15 @@ def require_reach(robot: Robot, described: Equations, path: Path) -> None:
     if not found.lacking:
         return
     ways = dict(zip(WAYS, _ways_along(path), strict=True))
-    if any(
-        ways[c.direction] * c.strokes > AFFORDABLE
-        for c in found.costs
-        if ways[c.direction]
-    ):
+    costs = [(ways[c.direction], c.strokes) for c in found.costs]
+    if any(way * strokes > AFFORDABLE for way, strokes in costs if way):
         raise _no_plan(robot, found)
 
 
 def _ways_along(path: Path) -> Array:
     """How far a path leads forward, sideways and around, seen from the body, (3,)."""
     poses = np.atleast_2d(path.at(np.linspace(0.0, 1.0, POSES_COUNTED)))[:, :3]
-    steps, yaw = np.diff(poses, axis=0), poses[:-1, 2]
-    forward = np.cos(yaw) * steps[:, 0] + np.sin(yaw) * steps[:, 1]
-    left = np.cos(yaw) * steps[:, 1] - np.sin(yaw) * steps[:, 0]
-    return np.abs([forward, left, steps[:, 2]]).sum(axis=1)
+    return np.abs(relative(poses[:-1], poses[1:])).sum(axis=0)
 
 
 def _no_plan(robot: Robot, found: Mobility) -> SimulationError:

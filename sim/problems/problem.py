@@ -1,7 +1,6 @@
 """The one way in which planning problems are solved: plan, check, optimise, remedy.
 
-A problem is a scenario's, a robot with its path, or a system's, which has no body. Both
-go through the same stages; a system passes over those that need a body.
+A problem is a scenario's, a robot with its path, or a system's, which has no body.
 """
 
 from __future__ import annotations
@@ -10,8 +9,8 @@ import math
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
 from functools import partial
+from typing import NamedTuple
 
 from planner import (
     BoundError,
@@ -36,8 +35,7 @@ TIMES_FINER = (4, 16)  # as many segments
 Offer = tuple[str, Callable[[], float]]  # a change in words, and what is missed then
 
 
-@dataclass(frozen=True, slots=True)
-class Solution:
+class Solution(NamedTuple):
     """A plan, and why it is the stratified one where an optimised one was asked for."""
 
     plan: Plan
@@ -99,11 +97,10 @@ class Problem(ABC):
         return ""
 
     def solve(self) -> Solution:
-        """Plan, check and optimise.
+        """Plan, check and optimise; where nothing shorter is found, the plan stands.
 
-        The stratified plan is the first guess of an optimised one, and stands where
-        nothing shorter is found. The errors are those of planning, of bounds that no
-        plan keeps, of time, and of plans that cannot be carried out.
+        The errors are those of planning, of bounds that no plan keeps, of time, and of
+        plans that cannot be carried out.
         """
         if self.objective == "none":
             return self._checked(self.stratified)
@@ -133,17 +130,14 @@ class Problem(ABC):
 
     def refusal(self, error: RangeError) -> PlannerError:
         """The error of a plan that no number of segments makes fit, and what may."""
-        return PlannerError(f"{error}; tried: {self._tried(math.inf)}")
+        found = tried(self._remedies(), math.inf, self.plan_time)
+        return PlannerError(f"{error}; tried: {found}")
 
     def helps(self, plan: Plan) -> str:
         """What would help a plan that ends far off its goal; empty for others."""
-        miss = self.miss(plan)
-        if miss <= FAR_OFF:
+        if (miss := self.miss(plan)) <= FAR_OFF:
             return ""
-        return self.reason() or str(self._tried(miss))
-
-    def _tried(self, miss: float) -> Trials:
-        return tried(self._remedies(), miss, self.plan_time)
+        return self.reason() or str(tried(self._remedies(), miss, self.plan_time))
 
     def _remedies(self) -> Iterator[Offer]:
         """Changes to try where a plan ends far off, the cheapest first."""
@@ -164,16 +158,11 @@ class Problem(ABC):
             yield "half of the way", partial(self.attempt, 0.5)
 
 
-@dataclass(frozen=True, slots=True)
-class Trials:
-    """Changes that were tried in turn.
+class Trials(NamedTuple):
+    """Changes that were tried in turn."""
 
-    Those that help have what the plan misses then, as a share of the way, and stand in
-    its order; the useless ones help too little, or give no plan.
-    """
-
-    helpful: dict[str, float]
-    useless: tuple[str, ...]
+    helpful: dict[str, float]  # what the plan misses then, as a share of the way
+    useless: tuple[str, ...]  # that help too little, or give no plan
 
     def __str__(self) -> str:
         if self.helpful:
@@ -190,8 +179,7 @@ def tried(offers: Iterable[Offer], miss: float, seconds: float) -> Trials:
     The miss is a share of the way, infinite where there is no plan. Trying takes no
     longer than planning may take [s], and ends where enough was found.
     """
-    found: dict[str, float] = {}
-    useless: list[str] = []
+    found, useless = dict[str, float](), list[str]()
     end = time.monotonic() + min(seconds, TRIAL_TIME)
     for change, attempt in offers:
         left = end - time.monotonic()
@@ -208,5 +196,4 @@ def tried(offers: Iterable[Offer], miss: float, seconds: float) -> Trials:
             found[change] = reached
         else:
             useless.append(change)
-    best = sorted(found.items(), key=lambda item: item[1])
-    return Trials(dict(best), tuple(useless))
+    return Trials(dict(sorted(found.items(), key=lambda f: f[1])), tuple(useless))

@@ -121,10 +121,7 @@ class ScenarioProblem(Problem):
             return self._aimed() if self.scenario.is_aimed else super().solve()
 
     def _aimed(self) -> Solution:
-        """The solution that the compliant prediction sees end closest to the goal.
-
-        Each is aimed beside the goal by what the one before was foreseen to miss.
-        """
+        """The solution that the compliant prediction sees end closest to the goal."""
         offset, wanted = self.setup.goal_offset, self.path(1.0)[:3]
         tried: list[tuple[float, Solution]] = []
         for _ in range(AIMS):
@@ -182,17 +179,15 @@ class ScenarioProblem(Problem):
     def own_remedies(self) -> Iterator[Offer]:
         """Legs that have more room to swing."""
         described = self.setup.equations
-        limits = {
-            name: (WIDER * low, WIDER * high)
-            for name, (low, high) in described.limits.items()
-        }
+        ends = described.limits.items()
+        limits = {name: (WIDER * low, WIDER * high) for name, (low, high) in ends}
         wider = replace(self.setup, equations=replace(described, limits=limits))
         yield "a joint range half as wide again", ScenarioProblem(wider).attempt
 
     def reason(self) -> str:
         """Why a robot cannot go everywhere, if it cannot."""
-        robot, described = self.setup.robot, self.setup.equations
-        return "; ".join(immobile(robot, mobility_of(robot, described)))
+        robot = self.setup.robot
+        return "; ".join(immobile(robot, mobility_of(robot, self.setup.equations)))
 
     @property
     def has_fallback(self) -> bool:
@@ -249,10 +244,7 @@ class ScenarioProblem(Problem):
 
 
 def miss_of(setup: Setup, pose: Array, goal: Array) -> float:
-    """How far a pose (3,) is off a goal, as a share of the way there.
-
-    The yaw counts as the way of the feet when the body turns by it.
-    """
+    """How far a pose (3,) is off a goal, as a share of the way; yaw counts by feet."""
     arm = setup.kinematics.reach
     turn = abs(setup.nominal()(1.0)[2])
     way = max(setup.scenario.path.length, arm * turn)

@@ -2,8 +2,7 @@
 
 The duration of a plan is the time that its flows take at unit speed. On the way of the
 shortest plans every coordinate stays as near to the path as the stratified plan does,
-except those that are freed. The angles of legs are free by themselves: a recovery moves
-each of them alone, and no field depends on it.
+except those that are freed and the angles of legs, which recoveries move alone.
 """
 
 from __future__ import annotations
@@ -41,11 +40,10 @@ OBJECTIVES: tuple[Objective, ...] = get_args(Objective)
 
 
 class SystemProblem(Problem):
-    """A system's problem, to be planned within so many seconds.
+    """A system's problem, whose objective is time, strokes, switches or none.
 
-    What is least is time, strokes, switches or none. Each segment that is replanned is
-    aimed to end where it should, not near it; a system in chained form ends there. The
-    shortest plans may depart from the path as they like in coordinates that are free.
+    Each segment that is replanned is aimed to end where it should, not near it; a
+    system in chained form ends there.
     """
 
     def __init__(
