@@ -42,7 +42,7 @@ from sim.evaluation.phases import (
     swing_travel,
 )
 from sim.evaluation.quantities import describe
-from sim.evaluation.summary import Accomplished, Departure, Summary, Weighed
+from sim.evaluation.summary import Accomplished, Departure, Predicted, Summary, Weighed
 from sim.evaluation.verdict import Verdict, judge
 from sim.experiments.identification import creep_floor
 from sim.experiments.predictions import follows_commands, twist_model
@@ -167,7 +167,7 @@ def evaluate(
     judged = walking & walk.recording.marks.inspected  # whichever rows are written
     poses = {name: found.pose[judged] for name, found in predicted.items()}
     poses["achieved"] = achieved.pose[judged]
-    creep, stand = None, partial(creep_floor, walk.setup, walk.duration)
+    creep, stand = None, partial(creep_floor, setup, walk.duration)
     if "creep_floor" not in without:
         with stage(progress, "measuring the solver's creep"):
             creep = of_world(f"creep in {walk.duration} s", stand)
@@ -202,28 +202,27 @@ def summarise(
     recording, dt = walk.recording, setup.limits.timestep
     pose, goal = achieved.pose[-1], scenario.goal
     swings = [p for p in walk.phases if p.kind == "swing"]
-    off_goal: dict[str, Departure]
-    off_goal = {} if goal is None else {"goal": departure(pose, np.array(goal))}
-    length, walked = scenario.path.length, walk.distance
+    off_goal, length, walked = (
+        dict[str, Departure](),
+        scenario.path.length,
+        walk.distance,
+    )
     if goal is None:
         length = walked = evaluation.scale.length
+    else:
+        off_goal["goal"] = departure(pose, np.array(goal))
     switches, fastest = commanded_pace(walk)
     strokes = swing_travel(swings, setup.robot.groups, loaded=True)
     slip, in_swings, judged = achieved.slip[-1], swing_slip(walk), evaluation.judged
     absent: dict[str, None] = dict.fromkeys(evaluation.unpredicted)
-    errors: dict[str, Departure | None] = {
-        name: off(achieved.pose[judged], prediction.pose[judged], length, walked)
-        for name, prediction in evaluation.predicted.items()
-    }
-    predicted = {
-        name: foreseen(walk, name, prediction, judged, evaluation.least_clearance(name))
-        for name, prediction in evaluation.predicted.items()
-    }
-    sources = {  # of an error that adds up: no segment was planned from a new pose
-        name: error_sources(walk, achieved.pose, prediction)
-        for name, prediction in evaluation.predicted.items()
-        if not scenario.replan
-    }
+    errors: dict[str, Departure | None] = {}
+    predicted, sources = dict[str, Predicted](), dict[str, dict[str, list[float]]]()
+    for name, made in evaluation.predicted.items():
+        clear = evaluation.least_clearance(name)
+        predicted[name] = foreseen(walk, name, made, judged, clear)
+        errors[name] = off(achieved.pose[judged], made.pose[judged], length, walked)
+        if not scenario.replan:  # an error that adds up, from one plan
+            sources[name] = error_sources(walk, achieved.pose, made)
     if (real := evaluation.measured) is not None:
         off_goal["measured"] = off(pose[None], real.pose[-1:], length, walked)
     return Summary(

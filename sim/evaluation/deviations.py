@@ -158,17 +158,13 @@ class Scale:
         self, poses: Array, predicted: Array, goal: Sequence[float] | None
     ) -> Weighed:
         """Poses (T, 3) against the prediction (T, 3) on the way and a goal, (3,)."""
-        wanted = None if goal is None else np.array(goal, dtype=float)
-        ends = [departure(poses[-1], predicted[-1])]
-        if wanted is not None:
-            ends.append(departure(poses[-1], wanted))
-        near = all(
-            off.position <= NEAR * self.length and off.yaw <= DEGREE for off in ends
-        )
+        end, wanted = poses[-1], [] if goal is None else [np.array(goal, dtype=float)]
+        ends = [departure(end, pose) for pose in (predicted[-1], *wanted)]
+        near = all(o.position <= NEAR * self.length and o.yaw <= DEGREE for o in ends)
         return Weighed(
             **vars(self),
-            goal=None if wanted is None else self.share(poses[-1], wanted, near),
-            ended=self.share(poses[-1], predicted[-1], near),
+            goal=self.share(end, wanted[0], near) if wanted else None,
+            ended=self.share(end, predicted[-1], near),
             farthest=self.share(poses, predicted, near),
         )
 
@@ -222,7 +218,7 @@ def error_sources(
     sources: dict[str, Array] = {}
     for phase, part in zip(phases, parts, strict=True):
         name = f"{phase.kind} S{phase.stratum}"
-        sources[name] = sources.get(name, np.zeros(3)) + part
+        sources[name] = sources.get(name, 0.0) + part
     return {name: part.tolist() for name, part in sources.items()}
 
 
@@ -234,16 +230,15 @@ def require_holding(
     They add up along the way, which is several times as long as the path. A prediction
     that is steered on is kept; else MeasurementError says why it is left out.
     """
-    scenario = walk.setup.scenario
+    scenario, length, off = walk.setup.scenario, walk.setup.scenario.path.length, 0.0
     if name != IDENTIFIED.key or scenario.steered_on == name:
         return
-    twists, length, off = made(), scenario.path.length, 0.0
-    if isinstance(twists, IdentifiedTwists):
+    if isinstance(twists := made(), IdentifiedTwists):
         fields = (f for f in twists.fields.values() if f.stratum in strata)
         off = max((field.off for field in fields), default=0.0)
     if length and off * walk.distance > TRUSTED_MISS * length:
+        whole = f"{100 * off * walk.distance / length:.0f} % of the path in all"
         raise MeasurementError(
             f"left out: it misses {100 * off:.1f} % of a stroke that it was not fitted "
-            f"to, which may be {100 * off * walk.distance / length:.0f} % of the path "
-            "in all"
+            f"to, which may be {whole}"
         )

@@ -14,9 +14,8 @@ def test_all_legs_of_a_group_are_on_counts_where_their_gains_allow_it(gain, reac
     robot = SimpleNamespace(
         group_of_leg=np.array([0, 0]),
         swing_gain=np.array([1.0, gain]),
-        legs=(1, 2),
         groups=("1",),
-        card=SimpleNamespace(legs={1: leg, 2: leg}),
+        leg_cards=(leg, leg),
         standing_angle=lambda joint: 0.0,
     )
     equations = SimpleNamespace(limits={"phi_1": (-1.0, 1.0)})
