@@ -125,10 +125,7 @@ def anatomy_of(robot: Robot, model: mujoco.MjModel) -> Anatomy:
 
 
 def robots_of(robot: Robot, model: mujoco.MjModel, anatomy: Anatomy) -> Robots:
-    """Read the servos, with their backlash and dead bands, and the floor: one lane.
-
-    The floor's springs are the engine's own for feet that just touch.
-    """
+    """Read the servos, with their backlash and dead bands, and the floor: one lane."""
     at, real = anatomy.actuator, anatomy.axis.any(axis=-1)
     joints, ground = model.actuator_trnid[at, 0], Ground.of(robot, model)
     dofs, (feet, points) = model.jnt_dofadr[joints], anatomy.radius.shape
@@ -157,10 +154,7 @@ def robots_of(robot: Robot, model: mujoco.MjModel, anatomy: Anatomy) -> Robots:
 
 
 def _slack(model: mujoco.MjModel, joint: str) -> tuple[float, float, float]:
-    """How far a leg joint is loose [rad], what damps it then, and its brake's damping.
-
-    Behind a servo with a dead band the motor brakes all the while.
-    """
+    """How far a leg joint is loose [rad], and its damping then and by its brake."""
     joints = {model.joint(number).name for number in range(model.njnt)}
     width, rub, brake = 0.0, 1.0, 0.0
     if (band := BAND + joint) in joints:

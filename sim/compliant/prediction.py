@@ -1,7 +1,6 @@
 """The compliant prediction of a walk, from its phases and the commands of its servos.
 
-It is a second, independent physics: exact Coulomb friction, springs, statics. What the
-scenario makes imperfect is given to it as far as the scenario says (`known`).
+It is a second, independent physics: exact Coulomb friction, springs, statics.
 """
 
 from __future__ import annotations
@@ -46,9 +45,8 @@ class CompliantPrediction(Prediction):
     @property
     def further(self) -> dict[str, Array]:
         """Height, roll, pitch, loads and torques."""
-        height, roll, pitch = self.lean.T
-        lean = {"height": height, "roll": roll, "pitch": pitch}
-        return {**lean, "load": self.load, "torque": self.torque}
+        lean = zip(("height", "roll", "pitch"), self.lean.T, strict=True)
+        return {**dict(lean), "load": self.load, "torque": self.torque}
 
     @property
     def standing(self) -> Array:
@@ -119,8 +117,7 @@ def foreseen(
 ) -> CompliantPrediction:
     """The prediction of a walk at times (T,) [s], with its planned contacts (T, F).
 
-    The rows of ctrl are those that the prediction knows of. Raises MeasurementError
-    where the robot tips over, or no equilibrium is found.
+    Raises MeasurementError where the robot tips over, or no equilibrium is found.
     """
     phases = phases_of(setup)
     motion = phases.follow(course_of(setup, phases, legs, rows)).at(times)

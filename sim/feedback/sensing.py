@@ -1,8 +1,7 @@
 """Sensors that tell a robot's pose when it stops, and their readings in a simulation.
 
-A camera gives the whole pose with white noise; some of its readings are lost, some are
-wild. A gyroscope gives the yaw alone; its error grows as a random walk and by a
-constant rate. What is not told is NaN.
+A camera gives the whole pose with white noise, a gyroscope the yaw alone; its error
+grows as a random walk and by a constant rate. What is not told is NaN.
 """
 
 from __future__ import annotations
@@ -94,10 +93,9 @@ class Sensor:
         self._stops = 0
 
     def read(self, pose: Array, seconds: float) -> Array:
-        """A reading at the stop after a segment that took some seconds.
+        """A reading of a pose (..., 3) after a segment that took some seconds.
 
-        It is x, y, yaw of the camera and the yaw of the gyroscope, shape (..., 4),
-        of a pose (..., 3); what is not told is NaN.
+        It is x, y, yaw of the camera and the yaw of the gyroscope, shape (..., 4).
         """
         sensing, random = self.sensing, self._random
         self._stops += 1

@@ -118,8 +118,7 @@ class Followed:
     def bound(self) -> tuple[float, float]:
         """Least error of position [m] and yaw [rad] that any estimator could have had.
 
-        Scatter is taken from what the segments truly missed, beside the affine function
-        of what was meant that fits best.
+        Scatter is what they missed beside the best affine function of what was meant.
         """
         meant = np.array([stop.meant for stop in self.stops])
         poses = np.array([np.zeros(3), *(stop.true for stop in self.stops)])

@@ -1,10 +1,8 @@
 """Clearance as an expression that a solver can differentiate, for legs of any shape.
 
-Two convex shapes that are apart are closest at a corner of one of them. Seen from
-above, the distances of the robot's corners from the obstacles, and of the obstacles'
-corners from the robot's sides, are therefore all that is needed. Their derivatives are
-continuous outside of an obstacle. The least of them is smoothed, and is never
-overestimated.
+Two convex shapes that are apart are closest at a corner of one of them. The distances
+of the robot's corners from the obstacles, and of their corners from its sides, are all
+that is needed, seen from above. The least is smoothed, and never overestimated.
 """
 
 from __future__ import annotations
@@ -133,10 +131,7 @@ def _distances(
 
 
 def distance(point: Place, sides: Sides) -> Expression:
-    """Signed distance of a point from a convex polygon [m]; negative inside.
-
-    Sides are in counter-clockwise order; some may be left out.
-    """
+    """Signed distance of a point from a convex polygon, some sides left out [m]."""
     out = beyond(point, sides)
     return ca.if_else(out > 0, apart(point, sides), out)
 

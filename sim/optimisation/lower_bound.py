@@ -283,8 +283,8 @@ def top_speed(setup: Setup) -> float:
 def shortest_way(points: Array, within: float) -> float:
     """A lower bound on a way through circles around points (K, 2), in their order [m].
 
-    The way begins at the first point and ends at the last one. Some of the points are
-    left out, so that the sum of what lies between the circles of the others is largest.
+    The way begins at the first point and ends at the last one. Points are left out so
+    that the sum of what lies between the circles of the others is largest.
     """
     radii = np.full(len(points), within)
     radii[[0, -1]] = 0.0

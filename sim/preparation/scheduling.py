@@ -32,8 +32,7 @@ def schedule_flows(
 ) -> None:
     """Schedule the flows of consecutive segments, and put all feet down at the end.
 
-    Where the scenario has a gait, its strata are entered in turn, also those on which
-    nothing flows.
+    The strata of a gait are entered in turn, also those on which nothing flows.
     """
     swings, flows = setup.equations.swings, joined(segments, scheduler.segment)
     moves = [(number, flow, swings[flow.field]) for number, flow in flows]
@@ -70,9 +69,8 @@ def scheduled(
 def overlapped(moves: Sequence[Move], groups: Sequence[str]) -> list[Move]:
     """The same moves, with legs in the air recovering while others stroke.
 
-    A stay on one stratum takes as long as its strokes, or as its recoveries if these
-    are longer: each stroke takes along a share of the recoveries that is its own share
-    of the strokes. Nothing changes but the time, as a leg in the air moves no body.
+    On one stratum each stroke takes along a share of the recoveries that is its own
+    share of the strokes. A leg in the air moves no body, so only the time changes.
     """
     stays = groupby(moves, key=lambda move: move[1].stratum)
     return [move for _, stay in stays for move in _shared(list(stay), groups)]

@@ -110,10 +110,7 @@ def laid_out(setup: Setup, planned: Plan) -> list[Stretch]:
 
 
 class Ahead:
-    """Sees ahead where plans of one robot in one world end.
-
-    Phases that plans have in common are computed once.
-    """
+    """Sees ahead where plans of a robot end; phases in common are computed once."""
 
     def __init__(self, setup: Setup) -> None:
         self._told = setup.as_told

@@ -103,10 +103,9 @@ class Walker:
     def go(
         self, segments: Sequence[Iterable[Flow]], first: int = 0, stop: float = 0.0
     ) -> None:
-        """Carry out the flows of consecutive segments, the first of that number.
+        """Carry out consecutive segments, and stand still for the time of a stop [s].
 
-        All feet are put down, and the robot stands still for the time of a stop [s].
-        After the last segment of the scenario it stands still for a while.
+        After the last segment of the scenario the robot stands still for a while.
         """
         count, last = self.setup.scenario.segments, first + len(segments)
         scheduler = self._scheduler()
@@ -127,12 +126,11 @@ class Walker:
         self, saturated_segments: int = 0, followed: Followed | None = None
     ) -> Walk:
         """The walk so far."""
-        origin = np.zeros(3) if self._origin is None else self._origin
         return Walk(
             setup=self.setup,
             stretches=tuple(self._stretches),
             recording=self._recorder.finish(),
-            origin=origin,
+            origin=np.zeros(3) if self._origin is None else self._origin,
             saturated_segments=saturated_segments,
             followed=followed,
             seconds=self.seconds,
@@ -210,11 +208,7 @@ def carry_out(walker: Walker, planned: Plan | None) -> Walk:
 
 
 def replanned(walker: Walker) -> tuple[int, Followed]:
-    """Walk segment by segment, with all feet down in between.
-
-    Gives how many segments were scaled down to the joint range, and what feedback made
-    of each.
-    """
+    """Walk segment by segment: how many were scaled down, and what feedback made."""
     setup, scenario = walker.setup, walker.setup.scenario
     feedback, dt = setup.feedback(), setup.limits.timestep
     random = np.random.default_rng([scenario.sense_draw, scenario.draw])
@@ -248,16 +242,12 @@ def next_segment(
 
 
 def expected_steps(setup: Setup, planned: Plan | None) -> int:
-    """Physics steps that a walk will take.
-
-    One that is replanned is estimated from its first segment.
-    """
+    """Physics steps that a walk will take, if replanned by its first segment."""
     if setup.motion is not None:
         return round(setup.limits.hold / setup.limits.timestep) + setup.motion.steps
     segments = 1 if planned is None else setup.scenario.segments
     if planned is None:
-        swing = setup.at_rest.swing
-        planned = plan_segment(setup, 0, np.zeros(3), swing).plan
+        planned = plan_segment(setup, 0, np.zeros(3), setup.at_rest.swing).plan
     schedule = scheduled(setup, planned.segments())
     holds = 2 * round(setup.limits.hold / setup.limits.timestep)
     return holds + schedule.stop * setup.scenario.segments // segments
@@ -266,11 +256,10 @@ def expected_steps(setup: Setup, planned: Plan | None) -> int:
 def scenario_of(robot: Robot, plan: Plan, **changes: Any) -> Scenario:
     """The scenario that a plan of a robot carries out, with some settings changed."""
     printed = plan.elements == equations(robot, "paper").elements
-    shipped = robot.is_shipped
     return Scenario(
         **{
             "name": "plan",
-            "robot": robot.name if shipped else str(robot.path.resolve()),
+            "robot": robot.name if robot.is_shipped else str(robot.path.resolve()),
             "fields": "paper" if printed else "lifted",
             "segments": len(plan.segment_ends),
             "path": waypoints(plan.nominal[:, :3].tolist()),
