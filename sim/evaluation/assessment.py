@@ -191,11 +191,9 @@ def summarise(
     least_time: float | None = None,
     missed: Sequence[float] = (),
 ) -> Summary:
-    """The numbers of summary.json, unrounded.
+    """The numbers of summary.json, unrounded; what follows `timing` is of the plan.
 
-    A fallback says why the stratified plan stands where a shorter one was asked for; no
-    plan within the same tolerances takes less than the least time [s]; `missed` is how
-    far from the goal each of several walks ended [m].
+    `missed` is how far from the goal each of several walks ended [m].
     """
     walk, achieved = evaluation.walk, evaluation.achieved
     setup, scenario = walk.setup, walk.setup.scenario

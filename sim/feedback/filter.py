@@ -255,25 +255,16 @@ def bound(
 
     The posterior Cramer-Rao bound at the last stop but before its reading (Van Trees,
     Detection, Estimation and Modulation Theory), where nothing is unknown but a
-    constant bias, for which nearly nothing is known beforehand.
-
-    Args:
-        sensing: Noise of the readings.
-        meant: Motions that were meant, (n, 3).
-        seen: Readings that were told, (n, 4); only which of them are NaN counts.
-        scatter: Standard deviation of what segments miss about their bias, (3,).
-        seconds: Time that each segment took, (n,) [s].
-
-    Returns:
-        Root mean square of the distance from the truth, and that of the yaw.
+    constant bias. Motions (n, 3) were meant in so many seconds (n,), with a scatter
+    (3,) about the bias; of readings (n, 4) it only counts which are NaN.
     """
     ideal = Misses(NEARLY_UNKNOWN, np.zeros((3, 3)), scatter, np.zeros(3))
     knows = Feedback(sensing, 1.0, ideal)
     for k, motion in enumerate(meant):
         knows.moved(motion - knows.bias, float(seconds[k]))
         if k < len(meant) - 1:
-            told = np.isnan(seen[k])
-            camera = np.where(told[:3], np.nan, knows.pose)
-            knows.seen(camera, np.where(told[3], np.nan, knows.pose[2]))
+            pose = np.append(knows.pose, knows.pose[2])
+            told = np.where(np.isnan(seen[k]), np.nan, pose)
+            knows.seen(told[:3], told[3])
     x, y, yaw = knows.claimed
     return sqrt(x**2 + y**2), float(yaw)

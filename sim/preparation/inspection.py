@@ -93,8 +93,10 @@ def _facts(
     lacks: Sequence[str] = (),
 ) -> Facts:
     """A robot that stands; without equations it has neither fields nor strokes."""
-    robot, lifting = kinematics.robot, kinematics.lifting
-    stance = kinematics.standing
+    robot, lifting, stance = kinematics.robot, kinematics.lifting, kinematics.standing
+    legs = zip(robot.legs, robot.leg_cards, stance.feet, strict=True)
+    spans = robot.swing_range
+    groups = [(name, of, spans[name]) for name, of in robot.card.groups.items()]
     return {
         "name": robot.name,
         "description": robot.card.description,
@@ -112,16 +114,11 @@ def _facts(
                 "lift": {"joint": card.lift, "range": list(robot.span(card.lift))},
                 "held": dict(card.hold),
             }
-            for leg, card, foot in zip(
-                robot.legs, robot.leg_cards, stance.feet, strict=True
-            )
+            for leg, card, foot in legs
         },
         "groups": {
-            name: {
-                "legs": sorted(group.legs),
-                "swing": [float(end) for end in robot.swing_range[name]],
-            }
-            for name, group in robot.card.groups.items()
+            name: {"legs": sorted(group.legs), "swing": [*map(float, ends)]}
+            for name, group, ends in groups
         },
         "gait": list(robot.card.gait),
         "let_down": world.let_down,
