@@ -24,7 +24,7 @@ from sim.preparation.setup import Setup
 from sim.world.dead_bands import BAND
 from sim.world.imperfections import BACKLASH
 
-TURNS, SETTLED = 6, 3  # of practice; the last ones, which are much alike
+TURNS = 6  # of practice
 PART = 0.7  # of what was missed, that is added after a turn
 
 
@@ -74,7 +74,7 @@ class Practice:
     def shifts(self, schedule: Schedule, made_up: FeedForward | None) -> FeedForward:
         """What to add to the commands of a schedule, (J,) [rad], at most the slack.
 
-        Of the last turns it is that which ends nearest to the robot without slack.
+        It is that of the turn which ends nearest to the robot without slack.
         """
         wanted, goal = self._tight.walk(schedule, made_up, None)
         loose, reach = self._loose, self._loose.setup.kinematics.reach
@@ -90,7 +90,7 @@ class Practice:
             tried.append((miss, shifts, loose.engine.moment, loose.drive))
             missed = wanted.values + self._shift - reached.values
             shift = np.clip(shift + PART * missed, -self._width, self._width)
-        _, best, moment, loose.drive = min(tried[-SETTLED:], key=lambda turn: turn[0])
+        _, best, moment, loose.drive = min(tried[1:], key=lambda turn: turn[0])
         loose.engine.rewind(moment)
         return best
 
