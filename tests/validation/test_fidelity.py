@@ -46,7 +46,7 @@ TURN = {"path": {"kind": "line", "goal": [0.02, 0.02, 0.2094]}, "segments": 4}
 
 @pytest.fixture(scope="module", params=[SHORT, TURN], ids=["straight", "turning"])
 def short(request):
-    return run("line", COSTLY[:2], **request.param)
+    return run("line", **request.param)
 
 
 @pytest.fixture(scope="module")

@@ -23,8 +23,12 @@ ahead = { x = 1 }
 
 @pytest.fixture
 def stratawalk(capsys, tmp_path, monkeypatch):
-    """Run a command in an empty folder: its exit code, and what it printed where."""
+    """Run a command in an empty folder: its exit code, and what it printed where.
+
+    What would help plans that end far off is tried elsewhere, in tests of remedies.
+    """
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("sim.problems.problem.TRIAL_TIME", 0.0)
 
     def run(*words):
         code = cli.main(words)

@@ -29,15 +29,6 @@ SHORT = {
 }
 
 
-@pytest.fixture(scope="module", autouse=True)
-def hasty():
-    """The first plan that is found is good enough for what is said of all."""
-    with pytest.MonkeyPatch.context() as patch:
-        for name in ("CLOSELY", "PATIENT_FOR", "FINALISTS"):
-            patch.setattr(f"planner.optimisation.windows.{name}", 1)
-        yield
-
-
 def setup_of(**changes):
     return prepare(load_scenario("line", SHORT | changes))
 
@@ -113,7 +104,9 @@ def test_margins_as_expressions_are_those_of_the_prediction(setup):
         assert found == pytest.approx(expected, abs=1e-9)
 
 
-def test_a_least_margin_is_kept():
+def test_a_least_margin_is_kept(monkeypatch):
+    for name in ("CLOSELY", "PATIENT_FOR", "FINALISTS"):
+        monkeypatch.setattr(f"planner.optimisation.windows.{name}", 1)
     near = {"path.goal": [0.02, 0.02, 0.0], "segments": 4, "hops": 1}
     setup = setup_of(**near, min_margin=0.045)
     found = ScenarioProblem(setup).solve().plan

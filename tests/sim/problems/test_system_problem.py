@@ -22,15 +22,6 @@ def problem(name, free=(), segments=4):
     return SystemProblem(given, objective="time", free=free)
 
 
-@pytest.fixture(scope="module", autouse=True)
-def hasty():
-    """The first plan that is found is good enough for what is said of all."""
-    with pytest.MonkeyPatch.context() as patch:
-        for name in ("CLOSELY", "PATIENT_FOR", "FINALISTS"):
-            patch.setattr(f"planner.optimisation.windows.{name}", 1)
-        yield
-
-
 @cache
 def solved(name):
     """A problem and its solution, found once."""
