@@ -23,12 +23,9 @@ ahead = { x = 1 }
 
 @pytest.fixture
 def stratawalk(capsys, tmp_path, monkeypatch):
-    """Run a command in an empty folder: its exit code, and what it printed where.
-
-    What would help plans that end far off is tried elsewhere, in tests of remedies.
-    """
+    """Run a command in an empty folder: its exit code, and what it printed where."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("sim.problems.problem.TRIAL_TIME", 0.0)
+    monkeypatch.setattr("sim.problems.problem.TRIAL_TIME", 0.0)  # tried in tests of it
 
     def run(*words):
         code = cli.main(words)
@@ -280,11 +277,7 @@ def test_list_of_systems_has_parameters(facts):
             "does not close: .* in S1: --gait; end it in S12",
         ),
         ("check biped --gait S12 S7 S12", 2, "is unknown: --gait; there are 12, 1, 2"),
-        (
-            "plan line --save x.json",
-            2,
-            "--save is for systems: line; leave it out, run",
-        ),
+        ("plan line --save x.json", 2, "--save is for systems: line; leave it out"),
         ("plan line --elements g1", 2, "--elements is for systems: line; set a scenar"),
         (
             "plan car --save gone/x.json",

@@ -201,18 +201,18 @@ def test_the_command_draws_one_figure_and_says_where(
 
     @contextmanager
     def begun(jobs, progress):
-        assert jobs == stability.WALKS
+        assert jobs == sequence.WALKS
         futures = {name: Future() for name in jobs}
         for name, future in futures.items():
-            future.set_result(walks["stability"][name])
+            future.set_result(walks["sequence"][name])
         yield futures
 
     monkeypatch.setattr("sim.figures.sheet.begun", begun)
     out = tmp_path / "drawn"
-    code = main(["figures", "--only", "stability", "--out", str(out), "--json"])
+    code = main(["figures", "--only", "sequence", "--out", str(out), "--json"])
     assert code == 0
     facts = json.loads(capsys.readouterr().out)
-    assert set(facts["figures"]) == {"fig5-stability-paper", "fig5-stability-metres"}
+    assert set(facts["figures"]) == {"fig4-sequence-paper", "fig4-sequence-metres"}
     names = {path.name for path in out.iterdir()}
     drawn = {
         f"{name}.{end}" for name in facts["figures"] for end in ("png", "svg", "csv")

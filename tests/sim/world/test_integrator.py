@@ -69,7 +69,7 @@ def test_standing_feet_slip_less_with_euler(scenario):
     from sim.simulation import simulate
 
     def slip(timestep, integrator):
-        shared, asked = Shared(), scenario(timestep=timestep)
+        shared, asked = Shared(), scenario(timestep=timestep, segments=1)
         _, model = shared.world(asked, load(asked.robot))
         model.opt.integrator = integrator
         walk = simulate(
