@@ -29,7 +29,7 @@ def swept(tmp_path_factory):
     """A finished sweep of four points: its file and its folder."""
     folder = tmp_path_factory.mktemp("swept")
     file = write_sweep(folder, VARIES)
-    done = stratawalk("sweep", file, "--out", folder / "out", "--workers", 2, "--json")
+    done = stratawalk("sweep", file, "--out", folder / "out", "--workers", 1, "--json")
     assert done.returncode == 0, done.stderr
     told = json.loads(done.stdout)
     assert (told["points"], told["failed"], told["walked"]) == (4, 0, 4)
