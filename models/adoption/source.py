@@ -121,10 +121,7 @@ def _in_folder(folder: Path) -> Path:
 
 
 def _in_package(folder: Path, name: re.Match[str]) -> str:
-    """A file of a ROS package, as a path from the URDF's folder.
-
-    The package is one of the folders that the URDF is in, or stands beside one of them.
-    """
+    """A file of a ROS package that is above or beside the URDF, as a path from there."""
     for above in folder.resolve().parents[:PARENTS]:
         found = above.joinpath(*name.groups())
         if found.is_file():

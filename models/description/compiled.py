@@ -37,10 +37,7 @@ WORDS = {"jnt": "joint", "tex": "texture", "cam": "camera", "mat": "material"}
 
 
 def check_text(path: Path) -> None:
-    """Refuse an MJCF file with a number that is not finite, or text that is not UTF-8.
-
-    Comments may have anything in them.
-    """
+    """Refuse a number outside comments that is not finite, and text not in UTF-8."""
     text = path.read_bytes().decode(errors="surrogateescape")
     text = COMMENT.sub(lambda comment: "\n" * comment[0].count("\n"), text)
     if odd := UNDECODED.search(text):

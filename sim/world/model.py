@@ -6,11 +6,6 @@ simulates the model that is compiled from the text. What that names is gathered 
 wherever the MJCF, its includes and its attached parts keep it. The robot's own files
 are copied unchanged beside it, whose numbers MuJoCo rounds: a rerun from the copies is
 planned with the same digits.
-
-Euler's integrator takes springs and servos as they are at the beginning of a step. The
-engine's implicit one allows for their damping once friction has been solved for, which
-makes standing feet slip in proportion to the timestep. It is stable where Euler's is
-not, and is used there.
 """
 
 from __future__ import annotations
@@ -139,7 +134,11 @@ STABLE = 1.9  # of `explicitness`, whose limit is 2 where the robot starts
 
 
 def suitable_integrator(model: mujoco.MjModel) -> mujoco.mjtIntegrator:
-    """Euler's where it is stable, and the engine's fast implicit one elsewhere."""
+    """Euler's where it is stable, and the engine's fast implicit one elsewhere.
+
+    That makes standing feet slip in proportion to the timestep, since it allows for
+    damping once friction has been solved for.
+    """
     kinds = mujoco.mjtIntegrator
     stable = explicitness(model) < STABLE
     return kinds.mjINT_EULER if stable else kinds.mjINT_IMPLICITFAST

@@ -1,7 +1,6 @@
-"""Sensors for measurement, obstacles, and the centre of mass.
+"""Sensors of the centre of mass and of contacts: feet, the robot itself, obstacles.
 
-Sensors tell the contacts of feet, of the robot with itself and with obstacles; these
-are solid geoms.
+Obstacles are solid geoms.
 """
 
 from __future__ import annotations
