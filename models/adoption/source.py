@@ -121,7 +121,7 @@ def _in_folder(folder: Path) -> Path:
 
 
 def _in_package(folder: Path, name: re.Match[str]) -> str:
-    """A file of a ROS package that is above or beside the URDF, as a path from there."""
+    """A file of a ROS package, above or beside the URDF, as a path from its folder."""
     for above in folder.resolve().parents[:PARENTS]:
         found = above.joinpath(*name.groups())
         if found.is_file():
