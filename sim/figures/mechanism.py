@@ -166,8 +166,7 @@ def save_standing(setup: Setup, pivots: Sequence[Array], path: Path) -> None:
             colour = palette.group(number).hex
             axes.plot(*pivot, "x", color=colour, label=f"pivot of group {name}")
             for foot in stance.feet[robot.planted(name)]:
-                spoke = np.array([pivot, foot]).T
-                axes.plot(*spoke, ":", color=colour, linewidth=0.8)
+                axes.plot(*np.transpose([pivot, foot]), ":", color=colour, lw=0.8)
         for leg, foot in zip(robot.legs, stance.feet, strict=True):
             axes.annotate(str(leg), foot, xytext=(4, 4), textcoords="offset points")
         axes.plot(*stance.center_of_mass, "k+", label="centre of mass")

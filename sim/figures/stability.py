@@ -58,11 +58,10 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
     for panel, robot in zip("ab", WALKS, strict=True):
         _draw_sway(axes[panel], walks[robot], robot == "hexapod-parallel")
         for group in range(2):
-            phi, *margins = _sway_rows(walks[robot], group)
+            found = np.array(_sway_rows(walks[robot], group))
             for angle in np.linspace(-SWAY, SWAY, 9):
-                k = int(np.abs(phi - angle).argmin())
-                found = (float(margin[k]) for margin in margins)
-                rows.append((robot, group + 1, float(phi[k]), *found))
+                k = np.abs(found[0] - angle).argmin()
+                rows.append((robot, group + 1, *found[:, k].tolist()))
     return Shown(rows)
 
 
