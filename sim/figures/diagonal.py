@@ -72,9 +72,9 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
     _draw_over_time(axes["c"], planned, found.slid, planned.slid)
     rows = []
     for tripod, leg, of in _legs(planned):
-        off, slides = apart[of], (planned.slid[of].max(), found.slid[of].max())
-        numbers = map(float, (off.mean(), off.max(), *slides))
-        rows.append((tripod, leg, len(off), *numbers))
+        slides = float(planned.slid[of].max()), float(found.slid[of].max())
+        off = float(apart[of].mean()), float(apart[of].max())
+        rows.append((tripod, leg, int(of.sum()), *off, *slides))
     return Shown(rows, {"count": len(planned.foot)})
 
 
