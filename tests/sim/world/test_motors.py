@@ -66,12 +66,12 @@ def test_rotors_and_damping_that_a_file_gives_are_kept(tmp_path, scenario):
     armature, ratio = of_joints(robot, model)
     assert (armature == 1e-4).all()
     assert (ratio == 0).all()
-    assert changes(robot, scenario()) == ()
+    assert not [*changes(robot, scenario())]
 
 
 def test_shipped_robots_have_rotors_of_their_own(hexapod, scenario):
     assert hexapod.joints_without_rotor == ()
-    assert changes(hexapod, scenario()) == ()
+    assert not [*changes(hexapod, scenario())]
 
 
 def test_a_servo_without_a_name_is_called_after_its_joint(tmp_path, scenario):
