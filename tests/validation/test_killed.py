@@ -153,8 +153,11 @@ def test_a_command_that_is_ended_leaves_whole_files_and_goes_on(place, words, nu
 
 
 def go_on(folder, told, words):
-    """Do what the message says, or where there is none begin anew."""
-    if told:
+    """Do what the message says, or where there is none begin anew.
+
+    There is none yet while Python itself starts.
+    """
+    if told and ": stratawalk " in told[-1]:
         words = told[-1].rpartition(": stratawalk ")[2]
     elif "--out new" in words and "film" not in words:
         shutil.rmtree(folder / "new", ignore_errors=True)
