@@ -97,7 +97,7 @@ QUANTITIES = (POSITION, YAW, *OF_ROWS, *OF_WALKS)
 COLUMNS = tuple(quantity for quantity in OF_ROWS if quantity.column)
 LINES = tuple(quantity for quantity in OF_ROWS if not quantity.column)
 WORDS = (
-    "words        margin: least distance of the centre of mass inside the support",
+    "terms        margin: least distance of the centre of mass inside the support",
     "             slip: way that standing feet slide; more in docs/glossary.md",
 )
 HEADS = "".join(f"{quantity.column:>{quantity.width}}" for quantity in COLUMNS)

@@ -173,9 +173,9 @@ def test_run_leaves_a_folder_and_says_where(stratawalk, tmp_path):
     }
     assert not (folder / "video.mp4").exists()
     starts = [line.split()[0] for line in done.stdout.splitlines() if line]
-    assert starts[-9:] == [
+    assert starts[-11:] == [
         "goal", "ideal", "quasi-static", "identified", "compliant", "achieved",
-        "in", "folder", "report",
+        "switch", "terms", "slip:", "folder", "report",
     ]  # fmt: skip
     made = [line.split()[-1] for line in done.stdout.splitlines()[-2:]]
     assert made == ["runs/line-001", "runs/line-001/report.html"]
@@ -281,4 +281,4 @@ def test_unforeseen_error_is_a_bug_of_ours_and_says_where(monkeypatch, capsys):
     assert cli.main(["scenarios"]) == 70
     said = capsys.readouterr().err
     assert "a bug of ours, ZeroDivisionError: division by zero: " in said
-    assert f"{Path('sim', 'commands', 'scenarios.py')}:" in said
+    assert f"{Path('sim', 'commands', 'systems.py')}:" in said
