@@ -1,4 +1,4 @@
-"""What a point is: its settings and the files of its robot, as a short digest.
+"""What a point is: its settings, the files of its robot and motion, as a short digest.
 
 The versions of the software stand beside it. A point is done once and for all if its
 digest is known; whether results of other versions may stand in one table is for the
@@ -32,9 +32,9 @@ def digest(scenario: Scenario, without: Sequence[str]) -> str:
     """
     named = to_table(scenario).items()
     table = {key: value for key, value in named if key not in ("name", "description")}
-    own = ((path, path.stat()) for path in _own_files(scenario.robot))
-    robot = [(str(path), _digest(path, at.st_mtime_ns, at.st_size)) for path, at in own]
-    content = json.dumps([table, sorted(without), robot], sort_keys=True, default=str)
+    own = ((path, path.stat()) for path in _own_files(scenario))
+    used = [(str(path), _digest(path, at.st_mtime_ns, at.st_size)) for path, at in own]
+    content = json.dumps([table, sorted(without), used], sort_keys=True, default=str)
     return hashlib.sha256(content.encode()).hexdigest()[:32]
 
 
@@ -70,14 +70,13 @@ def _code() -> str:
     return parts.hexdigest()[:16]
 
 
-def _own_files(robot: str) -> list[Path]:
-    """The card and all that the model of a user's own robot opens; none if shipped."""
-    path = Path(robot)
-    if not (robot.endswith(".xml") and path.is_file()):
-        return []
-    card = path.with_suffix(".toml")
-    opened = _opened(robot, path.stat().st_mtime_ns)
-    return sorted({*opened, card} if card.is_file() else opened)
+def _own_files(scenario: Scenario) -> list[Path]:
+    """Motion, card and all that the model of a user's robot opens; none if shipped."""
+    own = {Path(scenario.motion)} if scenario.motion else set[Path]()
+    path = Path(scenario.robot)
+    if path.suffix == ".xml" and path.is_file():
+        own |= {path.with_suffix(".toml"), *_opened(str(path), path.stat().st_mtime_ns)}
+    return sorted(path for path in own if path.is_file())
 
 
 @cache
