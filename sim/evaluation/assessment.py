@@ -222,7 +222,8 @@ def summarise(
         if not scenario.replan:  # an error that adds up, from one plan
             sources[name] = error_sources(walk, achieved.pose, made)
     if (real := evaluation.measured) is not None:
-        off_goal["measured"] = off(pose[None], real.pose[-1:], length, walked)
+        ways = achieved.pose[evaluation.walking], real.pose[evaluation.walking]
+        off_goal["measured"] = off(*ways, length, walked)
     return Summary(
         verdict=evaluation.verdict.word,
         verdict_text=evaluation.verdict.text,

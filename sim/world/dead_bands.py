@@ -53,7 +53,7 @@ def ensure_dead_bands(spec: mujoco.MjSpec, robot: Robot, scenario: Scenario) -> 
         joint, servo = spec.joint(name), servos[name]
         number = model.actuator(servo.name).id
         stiffness = model.actuator_gainprm[number, 0]
-        braking = -model.actuator_biasprm[number, 2]
+        braking = float(np.ravel(joint.damping)[0]) - model.actuator_biasprm[number, 2]
         steep = 0.0
         if scenario.dead_band_law == "step":
             steep = STEEP * stiffness

@@ -16,6 +16,7 @@ from sim.preparation.setup import prepare
 from sim.run_folder import write
 from sim.scenarios.file import load_scenario
 from sim.simulation import play, simulate
+from tests.walks import COSTLY
 
 PERIOD = 1.6  # [s]
 SWING = 0.12  # [rad]
@@ -137,3 +138,13 @@ def test_a_function_is_played_and_a_joint_that_the_robot_lacks_is_named():
         play(load("hexapod"), lambda t: {"lift_9": 0.0}, 0.3)
     with pytest.raises(UsageError, match="other joints at other times"):
         play(load("hexapod"), lambda t: {f"lift_{1 + (t > 0)}": 0.0}, 0.3)
+
+
+def test_the_measured_robot_is_compared_on_the_whole_way(tmp_path):
+    file, way = tmp_path / "still.csv", np.linspace(0, 0.4, 41)
+    rows = [f"{t:.2f},0,{0.005 * np.sin(np.pi * t / 0.4):.6f},0,0\n" for t in way]
+    file.write_text("".join(["time,swing_1,body.x,body.y,body.yaw\n", *rows]))
+    scenario = scenario_of(load("hexapod"), file, {"timestep": 0.002})
+    error = simulate(scenario, without=COSTLY).summary["error"]["measured"]
+    assert error["position"] < 1e-4
+    assert error["farthest"] == pytest.approx(0.005, abs=1e-4)

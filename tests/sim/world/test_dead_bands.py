@@ -1,6 +1,7 @@
 """Servos with dead bands: their torque, their motors that go on braking, and draws."""
 
 import mujoco
+import numpy as np
 import pytest
 
 from sim.drive.drive import Drive
@@ -11,6 +12,7 @@ from sim.scenarios.body_path import line
 from sim.scenarios.scenario import Scenario
 from sim.world.dead_bands import BAND, dead_bands
 from sim.world.imperfections import BACKLASH
+from sim.world.model import build, load
 
 
 @pytest.fixture(scope="module")
@@ -68,6 +70,16 @@ def test_a_motor_brakes_its_joint_within_its_dead_band(standing):
     # critical damping of 0.1 N m s/rad on 0.00025 kg m^2 stops it in 2.6 ms
     assert abs(speed_left(dead_band=0.05)) < 0.02
     assert speed_left(backlash=0.05) > 0.2
+
+
+def test_a_joints_own_damping_stays_beside_its_dead_band(scenario, edited):
+    def braking(*edits):
+        model = load(build(edited(*edits), scenario(dead_band=0.01)))
+        return np.ravel(model.tendon_damping[model.tendon("brake_swing_1").id])[0]
+
+    own = braking('class="swing" name', 'class="swing" damping="0.3" name') - braking()
+    # but for the share of braking that stands on the light joints of the springs
+    assert own == pytest.approx(0.3, rel=1e-5)
 
 
 def test_dead_bands_are_drawn_servo_by_servo_within_their_spread(scenario):
