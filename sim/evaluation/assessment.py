@@ -200,11 +200,7 @@ def summarise(
     recording, dt = walk.recording, setup.limits.timestep
     pose, goal = achieved.pose[-1], scenario.goal
     swings = [p for p in walk.phases if p.kind == "swing"]
-    off_goal, length, walked = (
-        dict[str, Departure](),
-        scenario.path.length,
-        walk.distance,
-    )
+    off_goal, length, walked = {}, scenario.path.length, walk.distance
     if goal is None:
         length = walked = evaluation.scale.length
     else:

@@ -212,7 +212,9 @@ class MovingPart:
 def moving_parts(setup: Setup, stratum: str) -> list[MovingPart]:
     """The parts that can collide, as they are on a stratum."""
     robot, outline = setup.robot, Outline(setup.robot, setup.model)
-    lift, parts = np.tile(setup.raised[stratum], (len(SWINGS), 1)), list[MovingPart]()
+    raised = np.array([group not in stratum for group in robot.groups])
+    lift = np.tile(raised * setup.limits.lift_angle, (len(SWINGS), 1))
+    parts = list[MovingPart]()
     legs = [_leg_of(robot, setup.model, part.geom) for part in outline.solids.parts]
     for leg in sorted(set(legs)):
         gain = 1.0 if leg == BODY else float(robot.swing_gain[leg])

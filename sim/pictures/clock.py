@@ -55,10 +55,8 @@ def clock(
             p for p in _round_speeds() if duration / p <= FILM_LENGTH - TAIL
         )
     if (moving := int(duration / playback * FRAME_RATE)) > MOST_PICTURES:
-        what, where = (
-            f"a film of {moving} pictures",
-            f"playback = {playback:g} of the run",
-        )
+        what = f"a film of {moving} pictures"
+        where = f"playback = {playback:g} of the run"
         raise UsageError(what, where, "set playback higher")
     moments = time[first] + np.arange(moving) * playback / FRAME_RATE
     whole = first == 0 and last == len(time) - 1

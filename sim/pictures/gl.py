@@ -126,7 +126,7 @@ def _draw_one_frame() -> None:
 
 
 def _measure() -> float:
-    import mujoco
+    import mujoco  # only here: the driver is tied at this moment
 
     from models.description import FOLDER
     from sim.pictures.camera import HEIGHT, WIDTH

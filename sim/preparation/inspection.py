@@ -38,10 +38,7 @@ SHOWN_MOVE = 1e-3  # [m]; less of a move at the start is not shown
 def facts_of(setup: Setup) -> Facts:
     """Mass, legs, groups, fields and margins of a robot that is set up to walk."""
     robot, described = setup.robot, setup.equations
-    found, changed = (
-        mobility_of(robot, described),
-        tuple(changes(robot, setup.scenario)),
-    )
+    found, changed = mobility_of(robot, described), [*changes(robot, setup.scenario)]
     stands = setup.kinematics, setup.limits.lift_angle, setup.world
     return _facts(*stands, described, found, changed)
 

@@ -61,7 +61,8 @@ class Settings:
     )
     gait: tuple[str, ...] | None = setting(
         "order in which strata are visited, eq. (11); any order if not given",
-        *(None, "plan"),
+        None,
+        "plan",
     )
     motion: str | None = setting(
         "log of joint angles to play in place of a plan", None, ("plan", "world")
@@ -140,7 +141,9 @@ class Settings:
     )
     yaw_tolerance: Annotated[float, Range(LEAST, 1e3)] | None = setting(
         "how far it may depart from the path's yaw; pi leaves the yaw free",
-        *(None, "plan", "rad"),
+        None,
+        "plan",
+        "rad",
     )
     hops: Annotated[int, Range(0, 10_000)] = setting(
         "times that the search for an optimised plan starts again", 130, "plan"
@@ -182,7 +185,8 @@ class Settings:
     )
     feed_forward: bool | Literal["predicted"] | None = setting(
         "add to commands what loads will deflect; if not given, on soft servos only",
-        *(None, "drive"),
+        None,
+        "drive",
     )
     command_delay: Annotated[float, Range(0, 0.5)] = imperfection(
         "delay from a command to the servo's motion", 0.0, "drive", "s"
@@ -265,7 +269,8 @@ class Settings:
     )
     playback: Annotated[float, Range(LEAST, 1000)] | None = setting(
         "speed of the film, in times real time; if not given, it fits the walk",
-        *(None, "film"),
+        None,
+        "film",
     )
     seed: Annotated[int, Range(0, 2**32 - 1)] = setting(
         "seed of the search for a way around obstacles", 0, "plan"

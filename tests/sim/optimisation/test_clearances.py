@@ -1,5 +1,7 @@
 """Clearances as expressions are those that shapely measures, from below."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -69,6 +71,12 @@ def test_parts_of_the_body_do_not_swing(passage):
     fixed = [np.abs(p.terms[1:]).max() < 1e-9 for p in parts if p.leg == shapes.BODY]
     assert fixed
     assert all(fixed)
+
+
+def test_parts_are_known_on_a_stratum_that_the_gait_leaves_out(passage):
+    robot = passage.robot
+    direct = replace(robot, card=replace(robot.card, gait=("1", "2", "1")))
+    assert shapes.moving_parts(replace(passage, robot=direct), robot.card.bottom)
 
 
 def test_a_plan_keeps_away_from_a_wall_that_it_would_come_too_close_to(monkeypatch):
