@@ -60,9 +60,7 @@ class Settings:
         "degree of the nilpotent approximation, Sec. 6", None, "equations"
     )
     gait: tuple[str, ...] | None = setting(
-        "order in which strata are visited, eq. (11); any order if not given",
-        None,
-        "plan",
+        "order in which strata are visited, eq. (11); any if not given", None, "plan"
     )
     motion: str | None = setting(
         "log of joint angles to play in place of a plan", None, ("plan", "world")
@@ -268,9 +266,7 @@ class Settings:
         "physics steps between recorded rows", 10, "rows"
     )
     playback: Annotated[float, Range(LEAST, 1000)] | None = setting(
-        "speed of the film, in times real time; if not given, it fits the walk",
-        None,
-        "film",
+        "film speed, in times real time; fits the walk if not given", None, "film"
     )
     seed: Annotated[int, Range(0, 2**32 - 1)] = setting(
         "seed of the search for a way around obstacles", 0, "plan"
