@@ -1,7 +1,4 @@
-"""The run folder: everything about a simulation, written as soon as it exists.
-
-A walk without a folder of its own is written into a temporary one to be filmed.
-"""
+"""The run folder: everything about a simulation, written as soon as it exists."""
 
 from __future__ import annotations
 
@@ -17,9 +14,11 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from models import Robot
+from models.description import parse_toml
 from sim.errors import SimulationError, UsageError, one_line
 from sim.evaluation import flows
 from sim.evaluation.assessment import Evaluation, evaluate
+from sim.evaluation.phases import carried_out
 from sim.evaluation.summary import Summary
 from sim.feedback.stops import written as feedback_table
 from sim.folder import Pieces, RunFolder, claim
@@ -27,9 +26,10 @@ from sim.logs.log import Log, written
 from sim.physics.engine import STRETCH
 from sim.preparation.setup import Setup
 from sim.progress import Progress, silent, stage
-from sim.runs.in_memory import run_of
-from sim.runs.run import Run
+from sim.runs.arrays import Arrays
+from sim.runs.run import START, Run
 from sim.scenarios.file import dumps
+from sim.scenarios.predictions import PREDICTIONS
 from sim.scenarios.scenario import Scenario
 from sim.simulation import Prepared, Simulation, simulate
 from sim.walking.finished import Walk
@@ -139,8 +139,7 @@ def run(
             raise
         remedy = f"{error.remedy}; again by: stratawalk run {again} --no-video"
         raise SimulationError(error.what, error.where, remedy) from error
-    timing = simulation.timing | {"render": 0.0}
-    summary = replace(simulation.summary, timing=timing)
+    summary = replace(simulation.summary, timing=simulation.timing | {"render": 0.0})
     with stage(progress, "writing"):
         finished = writer.finished(simulation.evaluation, summary)
     _report(finished, warn, progress)
@@ -240,3 +239,61 @@ def _written(
     writer.setup(setup, asked)
     writer.walked(evaluation.walk)
     return writer, writer.finished(evaluation, done.summary)
+
+
+def run_of(
+    evaluation: Evaluation,
+    summary: Summary,
+    settings: str | None = None,
+    folder: Path | None = None,
+) -> Run:
+    """The run of a walk and its evaluation; `settings` is the text of scenario.toml."""
+    walk, setup = evaluation.walk, evaluation.walk.setup
+    clock = np.arange(walk.steps) * setup.limits.timestep
+    return Run(
+        folder=Path() if folder is None else folder.resolve(),
+        settings=parse_toml(dumps(setup.scenario) if settings is None else settings),
+        card_text=setup.robot.card_text,
+        summary=summary,
+        phases=carried_out(walk),
+        arrays=trajectory(evaluation),
+        commands=Arrays(
+            ("time", "ctrl"),
+            lambda n: clock if n == "time" else np.concatenate([*walk.commands()]),
+        ),
+        stops=followed.stops if (followed := walk.followed) else (),
+    )
+
+
+def trajectory(evaluation: Evaluation) -> Arrays:
+    """The arrays of trajectory.npz: achieved motion and predictions, row by row."""
+    walk, achieved = evaluation.walk, evaluation.achieved
+    recording, predicted = walk.recording, evaluation.predicted
+    moments, planned = recording.moments, next(iter(predicted.values()))
+    starts = np.array([phase.start for phase in walk.phases])
+    arrays = {
+        "time": moments.step * recording.timestep,
+        "qpos": moments.qpos,
+        "qvel": moments.qvel,
+        "achieved_pose": achieved.pose,
+        "contact": achieved.contact,
+        "planned_contact": planned.contact,
+        "slip": achieved.slip,
+        "achieved_margin": achieved.margin,
+        "contact_point": achieved.point,
+        "center_of_mass": achieved.center_of_mass,
+        "phase": np.searchsorted(starts, recording.during, side="right") - 1,
+    }
+    for key, prediction in predicted.items():
+        parts = {name: getattr(prediction, name) for name in ("pose", "slip", "margin")}
+        for quantity, array in (parts | prediction.further).items():
+            arrays[PREDICTIONS[key].array(quantity)] = array
+    if (real := evaluation.measured) is not None:
+        arrays["measured_pose"] = real.pose
+    for key, clearance in evaluation.clearance.items():
+        known = PREDICTIONS.get(key)
+        arrays[known.array("clearance") if known else f"{key}_clearance"] = clearance
+    return Arrays(
+        (*arrays, START),
+        lambda n: walk.origin if n == START else arrays[n][recording.marks.sampled],
+    )

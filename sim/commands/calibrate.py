@@ -249,9 +249,9 @@ class _Asker:
 def _check(robot: Robot, kind: ServoKind, folder: RunFolder) -> Mapping[str, str]:
     """Write three strokes for the servos that the card has."""
     from sim.export.calibration import strokes
-    from sim.export.files import write_ticks
     from sim.export.header import write_header
     from sim.export.servo_table import servo_table
+    from sim.export.source import write_ticks
 
     card = robot.card
     if missing := [joint for joint in card.joints if joint not in card.joint_servos]:

@@ -222,7 +222,7 @@ def play(options: argparse.Namespace) -> ExitCode:
 def _by_servo_table(robot: Robot, scenario: Scenario, pulses: bool) -> Reader:
     """A reader of counts, or of the length of pulses [us], by the card's servos."""
     from sim.export.servo_table import servo_table
-    from sim.world.servo_settings import servo_settings
+    from sim.world.servos import servo_settings
 
     card, settings = robot.card, servo_settings(scenario, robot.card)
     make = settings.kind

@@ -1,35 +1,46 @@
-"""The source of an export, a run folder or a scenario walked for it, and its playback.
+"""Exports: their source, a run folder or a new walk, their files, and their playback.
 
-Servos hold each command until the next one. A controller of ROS 2 that follows a
-trajectory of positions moves evenly from one to the next, and holds the last.
+Formats are angles or ticks in CSV, the YAML of ROS 2, and a C header of pulses, which
+`header` writes. Each reader takes what its writer wrote, and any other text is a
+ValueError. A joint that leaves its servo's range is a UsageError.
 """
 
 from __future__ import annotations
 
+import csv
+import io
+import json
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
 import mujoco
 import numpy as np
+import yaml
 
-from models import Kinematics, Robot, load
+from models import JointServo, Kinematics, Robot, load
 from models.description import actuator_of
 from planner import Array
+from planner.support import read_file
+from sim.errors import UsageError
 from sim.evaluation.deviations import Scale, departure, off
 from sim.evaluation.summary import Played
+from sim.export.header import read_header, write_header
 from sim.export.servo_commands import ServoCommands, taken
+from sim.export.servo_table import ServoTable, servo_table
+from sim.folder import whole
 from sim.motion.poses import pose_of, seen_from
 from sim.physics.engine import Engine
 from sim.physics.measure import Sensors
 from sim.physics.recording import Recorder, Recording
 from sim.progress import Progress, silent
+from sim.run_folder import run_of
 from sim.runs.arrays import reading
-from sim.runs.in_memory import run_of
 from sim.runs.run import START, Run, read_run
 from sim.scenarios.scenario import Scenario
 from sim.simulation import simulate
-from sim.world.servo_settings import ServoSettings, servo_settings
+from sim.world.servos import ServoSettings, servo_settings
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,3 +158,137 @@ def _recorded(
     for done in recorder.play(pieces, np.union1d(steps, [starts])):
         progress("playing", done / source.steps)
     return recorder.finish()
+
+
+LARGEST = 10**9  # bytes
+PWM = {"csv": None, "ros2": None, "header": True, "dynamixel": False}  # None: angles
+SECOND = 1_000_000_000  # [ns]
+LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # in C it is 10 times faster
+
+
+def servos(
+    source: Source,
+    form: str,
+    given: Mapping[str, JointServo] | None = None,
+    *,
+    microseconds: bool = False,
+    rate: float = 0.0,
+) -> ServoTable:
+    """The servos that a walk is exported for: its card's, unless others are given.
+
+    The rate is that of a walk that has none of its own. A joint without a servo is a
+    UsageError.
+    """
+    missing = [] if given is None else [j for j in source.joints if j not in given]
+    if missing:
+        remedy = "give each of the robot's joints a servo of its name"
+        raise UsageError(f"no servo for joint {missing[0]!r}", "--servo-table", remedy)
+    make, rate = source.servo.kind, source.servo.rate or rate
+    table = servo_table(source.run.card, source.joints, make, PWM[form], given, rate)
+    return table.in_microseconds() if microseconds else table
+
+
+def write(
+    path: Path, form: str, source: Source, commands: ServoCommands, table: ServoTable
+) -> None:
+    """Write commands in a format."""
+    table.require_range(commands)
+    if form == "csv":
+        text = write_angles(commands)
+    elif form == "ros2":
+        text = write_trajectory(commands)
+    elif form == "dynamixel":
+        text = write_ticks(commands, table)
+    else:
+        scenario, robot = source.run.summary.scenario, source.run.summary.robot
+        title = f"{scenario} on {robot}, planned by stratawalk."
+        text = write_header(commands, table, title=title, name=scenario, file=path.name)
+    content = text.encode()
+    with whole(path, len(content)) as part:
+        part.write_bytes(content)
+
+
+def read(path: Path, form: str, table: ServoTable) -> ServoCommands:
+    """Read what `write` wrote; another file is a ValueError."""
+    text = read_file(path, LARGEST).decode()
+    if form == "csv":
+        return read_angles(text)
+    if form == "ros2":
+        return read_trajectory(text)
+    return (read_ticks if form == "dynamixel" else read_header)(text, table)
+
+
+def write_angles(commands: ServoCommands) -> str:
+    """A column `time` [s] and a column a joint [rad], every digit of every angle."""
+    return _table(commands.joints, commands.time, commands.angles)
+
+
+def read_angles(text: str) -> ServoCommands:
+    """The commands of such a table."""
+    joints, rate, values = _read(text)
+    return ServoCommands(joints, rate, values)
+
+
+def write_ticks(commands: ServoCommands, table: ServoTable) -> str:
+    """A column `time` [s] and a column a joint, in the order of the channels."""
+    return _table(table.joints, commands.time, table.counts(commands))
+
+
+def read_ticks(text: str, table: ServoTable) -> ServoCommands:
+    """The commands of such a table for the same servos."""
+    joints, rate, counts = _read(text)
+    if joints != table.joints:
+        raise ValueError(f"columns {joints} for joints {table.joints}")
+    return table.commands(counts, rate)
+
+
+def _table(joints: Sequence[str], time: Array, values: Array) -> str:
+    if "time" in joints:
+        remedy = "give the joint another name, or take --format header or ros2"
+        raise UsageError("a joint is called 'time', as the moments are", "csv", remedy)
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(("time", *joints))
+    rows = zip(time.tolist(), values.tolist(), strict=True)
+    writer.writerows((moment, *row) for moment, row in rows)
+    return text.getvalue()
+
+
+def _read(text: str) -> tuple[tuple[str, ...], float, Array]:
+    """Joints, rate and values of a table."""
+    (first, *joints), *rows = csv.reader(io.StringIO(text, newline=""))
+    if first != "time" or len(rows) < 2:
+        raise ValueError("needs a column time, and two commands at least")
+    values = np.array(rows, dtype=float)
+    rate = (len(values) - 1) / (values[-1, 0] - values[0, 0])
+    return tuple(joints), float(rate), values[:, 1:]
+
+
+def write_trajectory(commands: ServoCommands) -> str:
+    """A `JointTrajectory`, one line a point; angles to a billionth of a radian."""
+    listed = json.dumps(commands.joints, ensure_ascii=False)
+    lines = [f"joint_names: {listed}", "points:"]
+    for number, row in enumerate(commands.angles.tolist()):
+        sec, nanosec = divmod(round(number * SECOND / commands.rate), SECOND)
+        positions = ", ".join(f"{angle:z.9f}" for angle in row)
+        lines.append(
+            f"- {{positions: [{positions}], "
+            f"time_from_start: {{sec: {sec}, nanosec: {nanosec}}}}}"
+        )
+    return "\n".join(lines) + "\n"
+
+
+def read_trajectory(text: str) -> ServoCommands:
+    """The commands of such a trajectory."""
+    try:
+        read = yaml.load(text, Loader=LOADER)  # noqa: S506
+        points = read["points"]
+        last = points[-1]["time_from_start"]
+        duration = last["sec"] + last["nanosec"] / SECOND
+        angles = np.array([point["positions"] for point in points], dtype=float)
+    except (yaml.YAMLError, KeyError, IndexError, TypeError) as error:
+        raise ValueError(f"no trajectory, {error}") from error
+    if len(points) < 2:
+        raise ValueError("needs two points at least")
+    rate = (len(points) - 1) / duration
+    return ServoCommands(tuple(read["joint_names"]), rate, angles)

@@ -20,8 +20,7 @@ import shapely
 from models import Robot
 from planner import Array
 from planner.optimisation import Expression, Stage
-from sim.obstacles.clearance import surroundings
-from sim.obstacles.solids import Outline
+from sim.obstacles.clearance import Outline, surroundings
 from sim.preparation.setup import Setup
 
 FIRST_ANGLE = 3  # of the state, after the pose

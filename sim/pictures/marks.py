@@ -16,8 +16,8 @@ from models.description import root_body
 from planner import Array
 from sim import palette
 from sim.motion.poses import spaced_rows
-from sim.motion.stability import support_polygons
-from sim.obstacles.solids import Solids
+from sim.motion.prediction import support_polygons
+from sim.obstacles.clearance import Solids
 from sim.palette import NOMINAL, THOUGHT, PathMark
 from sim.pictures.camera import Camera
 from sim.pictures.clock import FRAME_RATE, Clock

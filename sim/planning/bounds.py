@@ -26,9 +26,8 @@ from planner import (
 from planner.planning import Slack, grid
 from planner.support import point, tick
 from sim.experiments.predictions import twist_model
-from sim.motion.prediction import Predictor, inspections
+from sim.motion.prediction import Predictor, inspections, stability_margin
 from sim.motion.schedule import Schedule
-from sim.motion.stability import stability_margin
 from sim.obstacles.clearance import Surroundings, surroundings
 from sim.planning.open_loop import plan_open_loop, plan_segment, segment_target
 from sim.preparation.scheduling import scheduled

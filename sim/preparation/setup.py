@@ -27,8 +27,7 @@ from sim.preparation.shared import PLAN, Cache, Shared, built, no_cache
 from sim.scenarios.scenario import Scenario, drawn
 from sim.scenarios.settings import IMPERFECTIONS
 from sim.world.model import World
-from sim.world.servo_settings import ServoSettings, servo_settings
-from sim.world.servos import Channels
+from sim.world.servos import Channels, ServoSettings, servo_settings
 
 GoalOffset = tuple[float, float, float]  # from the goal to the aim: x, y [m], yaw [rad]
 CACHED_WALKS = 2  # walks whose arrays are kept, a number for every step or moment

@@ -12,12 +12,12 @@ from models import Robot
 from models.description import ON_JOINT
 from sim.scenarios.scenario import Scenario
 from sim.world.motors import added_rotors, undamped_joints
-from sim.world.servo_settings import servo_settings
 from sim.world.servos import (
     couplings,
     delayed_servos,
     joints_without_servo,
     other_drives,
+    servo_settings,
 )
 
 

@@ -27,8 +27,7 @@ from sim.world.floor import Floor, add_bumps, ensure_floor, scene
 from sim.world.imperfections import BACKLASH, add_imperfections
 from sim.world.motors import ensure_motors
 from sim.world.sensors import add_walls, ensure_sensors
-from sim.world.servo_settings import servo_settings
-from sim.world.servos import common_servo, ensure_servos
+from sim.world.servos import common_servo, ensure_servos, servo_settings
 
 START = "start"
 SIZES = {mujoco.mjtJoint.mjJNT_FREE: 7, mujoco.mjtJoint.mjJNT_BALL: 4}  # in qpos

@@ -18,7 +18,7 @@ import numpy as np
 from models import Robot
 from models.adoption import fitting_rotor, servo_for
 from models.description import ON_JOINT
-from sim.world.servo_settings import ServoSettings
+from sim.world.servos import ServoSettings
 
 CRITICAL = 1.0  # damping ratio, which the engine tells by its sign from a damping
 LIVELY = 0.5  # damping ratio below which a servo with a new rotor would swing for long

@@ -12,7 +12,7 @@ import pytest
 from sim.evaluation.assessment import evaluate, summarise
 from sim.planning.open_loop import plan_open_loop
 from sim.preparation.setup import prepare
-from sim.runs.in_memory import trajectory
+from sim.run_folder import trajectory
 from sim.scenarios.file import load_scenario
 from sim.walking.walks import Walker, carry_out
 from tests.walks import COSTLY

@@ -8,7 +8,7 @@ from sim.planning.bounds import within_bounds
 from sim.planning.open_loop import plan_open_loop
 from sim.planning.routes import routed
 from sim.preparation.setup import prepare
-from sim.runs.in_memory import trajectory
+from sim.run_folder import trajectory
 from sim.scenarios.file import load_scenario
 from sim.walking.walks import Walker, carry_out
 from tests.walks import COSTLY

@@ -8,8 +8,7 @@ import pytest
 import yaml
 
 from sim.cli import main
-from sim.export.files import servos
-from sim.export.source import from_run
+from sim.export.source import from_run, servos
 from sim.folder import RunFolder
 from sim.run_folder import run
 from sim.scenarios.body_path import line

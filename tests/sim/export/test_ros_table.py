@@ -7,7 +7,7 @@ import pytest
 
 from sim.errors import UsageError
 from sim.export.servo_table import read_ros_table, servo_table
-from tests.sim.export.test_files import CARD, JOINTS, MG90
+from tests.sim.export.test_source import CARD, JOINTS, MG90
 
 SERVO = (
     "name: {}, id: {}, ticks: 1024, center: 512, max_radians: !degrees 300, "

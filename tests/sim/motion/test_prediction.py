@@ -12,9 +12,8 @@ from models.motion.twists import IdealTwists, QuasiStaticTwists
 from planner.systems.flows import Flow
 from sim.experiments.predictions import twist_model
 from sim.motion import prediction
-from sim.motion.prediction import Predictor
+from sim.motion.prediction import Predictor, stability_margin
 from sim.motion.schedule import LegState, MotionLimits, Scheduler
-from sim.motion.stability import stability_margin
 from sim.preparation.setup import prepare
 from sim.scenarios.file import load_scenario
 

@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 
 from models.library import load as load_robot
-from sim.obstacles.clearance import Surroundings
-from sim.obstacles.solids import Outline
+from sim.obstacles.clearance import Outline, Surroundings
 from sim.scenarios import obstacles as shapes
 from sim.world.model import build, load
 

@@ -9,7 +9,7 @@ from models.contact.kinematics import Kinematics
 from models.description.robot import Robot
 from models.library import load
 from sim.motion.poses import rotate
-from sim.obstacles.solids import Outline, hulls
+from sim.obstacles.clearance import Outline, hulls
 
 ROUNDING = 1e-12
 ODDITIES = """

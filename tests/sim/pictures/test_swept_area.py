@@ -7,7 +7,7 @@ import pytest
 import shapely
 
 from models.library import load
-from sim.obstacles.solids import Outline
+from sim.obstacles.clearance import Outline
 from sim.pictures.marks import FINENESS, swept
 
 REACH = 0.234  # [m], of the hexapod's outer feet

@@ -12,7 +12,10 @@ from models.description.makes import SERVO_KINDS
 from models.description.servos import JointServo
 from models.library import load
 from sim.errors import UsageError
-from sim.export.files import (
+from sim.export.header import identifier, pack, read_header, unpack, write_header
+from sim.export.servo_commands import ServoCommands
+from sim.export.servo_table import servo_table
+from sim.export.source import (
     read_angles,
     read_ticks,
     read_trajectory,
@@ -20,9 +23,6 @@ from sim.export.files import (
     write_ticks,
     write_trajectory,
 )
-from sim.export.header import identifier, pack, read_header, unpack, write_header
-from sim.export.servo_commands import ServoCommands
-from sim.export.servo_table import servo_table
 
 MG90 = SERVO_KINDS["mg90"]
 CARD = load("hexapod-classroom").card
