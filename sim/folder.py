@@ -5,7 +5,9 @@ A file appears under its name only when it is complete and on the disk.
 
 from __future__ import annotations
 
+import csv
 import errno
+import io
 import json
 import os
 import re
@@ -95,6 +97,21 @@ class Pieces:
 
     shape: tuple[int, ...]
     pieces: Iterable[np.ndarray]
+
+
+def csv_text(rows: Iterable[Iterable[object]]) -> str:
+    """The text of a table, its names first, every digit of every number kept."""
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(rows)
+    return text.getvalue()
+
+
+def csv_rows(text: str, name: str) -> list[dict[str, str]]:
+    """Rows of such a table by names; a ValueError where entries are missing."""
+    lines = [line for line in csv.reader(text.splitlines()) if line]
+    if len({len(line) for line in lines}) != 1:
+        raise ValueError(f"{name} is incomplete")
+    return [dict(zip(lines[0], line, strict=True)) for line in lines[1:]]
 
 
 def _size(array: np.ndarray | Pieces) -> int:

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import csv
-import io
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, astuple, dataclass, fields, replace
 from statistics import median
@@ -16,7 +14,7 @@ from sim.endings import again, keeping
 from sim.errors import ExitCode, StratawalkError, one_line
 from sim.evaluation.quantities import CLAIMED, MARGIN, POSITION, ROWS, WRONG, YAW
 from sim.evaluation.verdict import FAILURES
-from sim.folder import RunFolder
+from sim.folder import RunFolder, csv_text
 from sim.progress import Progress, bar
 from sim.run_folder import run
 from sim.scenarios.scenario import Scenario
@@ -83,11 +81,8 @@ def walk_tries(
         progress("walking draws", done / len(draws))
         inner = folder.inner(f"draw-{draw:03d}")
         tries.append(_try(replace(scenario, draw=draw), robot, inner))
-        text = io.StringIO()
-        table = csv.writer(text, lineterminator="\n")
-        table.writerow(item.name for item in fields(Try))
-        table.writerows(map(astuple, tries))
-        folder.write_text(TABLE, text.getvalue())
+        names = [item.name for item in fields(Try)]
+        folder.write_text(TABLE, csv_text([names, *map(astuple, tries)]))
     return tries
 
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Callable, Iterable
 from math import isfinite
 from typing import Any, NamedTuple
+
+from sim.folder import csv_rows, csv_text
 
 
 class WalkedPhase(NamedTuple):
@@ -35,12 +35,8 @@ COLUMNS = ("index", *WalkedPhase._fields)
 
 def written(phases: Iterable[WalkedPhase]) -> str:
     """The text of flows.csv: one line a phase."""
-    lines = io.StringIO()
-    writer = csv.writer(lines, lineterminator="\n")
-    writer.writerow(COLUMNS)
-    for index, phase in enumerate(phases):
-        writer.writerow((index, *phase[:-1], int(phase.as_planned)))
-    return lines.getvalue()
+    rows = ((i, *p[:-1], int(p.as_planned)) for i, p in enumerate(phases))
+    return csv_text([COLUMNS, *rows])
 
 
 def read(text: str) -> tuple[WalkedPhase, ...]:
@@ -48,12 +44,9 @@ def read(text: str) -> tuple[WalkedPhase, ...]:
 
     A missing column is a KeyError, other errors of a line are ValueErrors.
     """
-    lines = [line for line in csv.reader(text.splitlines()) if line]
-    if len({len(line) for line in lines}) != 1:
-        raise ValueError("flows.csv is incomplete")
-    rows = (dict(zip(lines[0], line, strict=True)) for line in lines[1:])
     phases = tuple(
-        WalkedPhase(*(kind(row[key]) for key, kind in KINDS.items())) for row in rows
+        WalkedPhase(*(kind(row[key]) for key, kind in KINDS.items()))
+        for row in csv_rows(text, "flows.csv")
     )
     numbers = [number for p in phases for number in (p.start, p.end, p.amount, p.slip)]
     if not all(map(isfinite, numbers)):

@@ -29,7 +29,7 @@ from sim.evaluation.summary import Played
 from sim.export.header import read_header, write_header
 from sim.export.servo_commands import ServoCommands, taken
 from sim.export.servo_table import ServoTable, servo_table
-from sim.folder import whole
+from sim.folder import csv_text, whole
 from sim.motion.poses import pose_of, seen_from
 from sim.physics.engine import Engine
 from sim.physics.measure import Sensors
@@ -246,12 +246,8 @@ def _table(joints: Sequence[str], time: Array, values: Array) -> str:
     if "time" in joints:
         remedy = "give the joint another name, or take --format header or ros2"
         raise UsageError("a joint is called 'time', as the moments are", "csv", remedy)
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(("time", *joints))
     rows = zip(time.tolist(), values.tolist(), strict=True)
-    writer.writerows((moment, *row) for moment, row in rows)
-    return text.getvalue()
+    return csv_text([("time", *joints), *((moment, *row) for moment, row in rows)])
 
 
 def _read(text: str) -> tuple[tuple[str, ...], float, Array]:

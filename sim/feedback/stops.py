@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,6 +11,7 @@ import numpy as np
 
 from planner import Array
 from sim.feedback.filter import Feedback, Learnt, bound
+from sim.folder import csv_rows, csv_text
 from sim.motion.poses import seen_from
 
 Numbers = tuple[float, ...]
@@ -47,14 +46,11 @@ class Stop(NamedTuple):
 
 def written(stops: Iterable[Stop]) -> str:
     """The text of feedback.csv: one line a stop, empty where nothing was told."""
-    lines = io.StringIO()
-    writer = csv.writer(lines, lineterminator="\n")
-    writer.writerow(COLUMNS)
+    rows: list[tuple[object, ...]] = [COLUMNS]
     for stop in stops:
         flat = np.hstack([np.ravel(value) for value in stop[1:]]).tolist()
-        told = ["" if np.isnan(value) else value for value in flat]
-        writer.writerow([stop.segment, *told])
-    return lines.getvalue()
+        rows.append((stop.segment, *("" if np.isnan(v) else v for v in flat)))
+    return csv_text(rows)
 
 
 def read(text: str) -> tuple[Stop, ...]:
@@ -62,8 +58,6 @@ def read(text: str) -> tuple[Stop, ...]:
 
     A missing column is a KeyError, another number of entries a ValueError.
     """
-    lines = [line for line in csv.reader(text.splitlines()) if line]
-    tables = [dict(zip(lines[0], line, strict=True)) for line in lines[1:]]
     return tuple(
         Stop(
             int(table["segment"]),
@@ -74,7 +68,7 @@ def read(text: str) -> tuple[Stop, ...]:
                 for key, names in NAMES.items()
             ),
         )
-        for table in tables
+        for table in csv_rows(text, "feedback.csv")
     )
 
 

@@ -6,8 +6,6 @@ holds its caption; the module of its figure computes the numbers and draws them.
 
 from __future__ import annotations
 
-import csv
-import io
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
@@ -21,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 from sim.figures import NAMES
 from sim.figures.physics import Job, Walked, begun
 from sim.figures.style import STYLE, sheet_of
-from sim.folder import RunFolder, whole
+from sim.folder import RunFolder, csv_text, whole
 from sim.palette import Style
 from sim.progress import Progress, silent
 
@@ -59,9 +57,7 @@ class Table:
 
     def csv(self) -> str:
         """The table as CSV, every digit kept."""
-        lines = io.StringIO()
-        csv.writer(lines, lineterminator="\n").writerows([self.header, *self.rows])
-        return lines.getvalue()
+        return csv_text([self.header, *self.rows])
 
     def markdown(self) -> str:
         """The table for people, rounded to four digits."""

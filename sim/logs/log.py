@@ -8,7 +8,6 @@ or 1). Empty cells are gaps. It holds numbers alone; nothing is carried out.
 from __future__ import annotations
 
 import csv
-import io
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -21,6 +20,7 @@ import numpy as np
 from planner import Array
 from planner.support import did_you_mean, read_file
 from sim.errors import UsageError
+from sim.folder import csv_text
 
 LARGEST_LOG = 10**8  # bytes
 MOST_ROWS = 10**6
@@ -286,7 +286,4 @@ def written(log: Log) -> str:
             columns += [*values.T]
     names += (f"{CONTACT}{leg}" for leg in log.contact)
     columns += log.contact.values()
-    text = io.StringIO()
-    rows = np.stack(columns, axis=1).tolist()
-    csv.writer(text, lineterminator="\n").writerows([names, *rows])
-    return text.getvalue()
+    return csv_text([names, *np.stack(columns, axis=1).tolist()])
