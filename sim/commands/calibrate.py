@@ -10,15 +10,7 @@ from math import degrees
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
-from sim.commands.options import (
-    command,
-    notice,
-    option,
-    report,
-    robot_of,
-    robot_options,
-    working,
-)
+from sim.commands import options as cli
 from sim.endings import again, keeping, way_on
 from sim.errors import RenderError, UsageError
 
@@ -34,27 +26,28 @@ T = TypeVar("T")
 SKETCH, SCRIPT, PAGE, SHEET = "jog.ino", "bus.py", "index.html", "feet.svg"
 
 
-@command(
+@cli.command(
     "find the servos of a robot one at a time, and write them into its card",
-    *robot_options("the robot that is to be calibrated"),
-    option(
+    *cli.robot_options("the robot that is to be calibrated"),
+    cli.option(
         "--out",
         metavar="FOLDER",
         default="calibration",
         help="folder of sketch and pictures; calibration if left out",
     ),
-    option("--answers", metavar="FILE", help="read answers, a line each, from a file"),
-    option(
+    cli.option(
+        "--answers", metavar="FILE", help="read answers, a line each, from a file"
+    ),
+    cli.flag(
         "--check",
-        action="store_true",
-        help="write three strokes that show what is wrong, for servos that are found",
+        "write three strokes that show what is wrong, for servos that are found",
     ),
 )
 def calibrate(options: argparse.Namespace) -> None:
     """Ask for what is not known yet, and write the card; or write strokes to check."""
     from sim.folder import RunFolder, ensure_folder
 
-    robot = robot_of(options, options.robot)
+    robot = cli.robot_of(options, options.robot)
     kind = _kind(robot)
     folder = RunFolder(ensure_folder(Path(options.out)))
     if options.check:
@@ -64,7 +57,7 @@ def calibrate(options: argparse.Namespace) -> None:
         _prepare(robot, kind, folder, options)
         with redirect_stdout(sys.stderr) if options.json else nullcontext():
             told = _calibrated(robot, kind, folder, options)
-    report(options, told, *(f"{name:13}{value}" for name, value in told.items()))
+    cli.report(options, told, *(f"{name:13}{value}" for name, value in told.items()))
 
 
 def _kind(robot: Robot) -> ServoKind:
@@ -73,7 +66,7 @@ def _kind(robot: Robot) -> ServoKind:
     card = robot.card.servo
     if card is not None and card.made:
         return KNOWN_SERVOS[card.made.lower()].with_numbers(card.data)
-    notice(f"{robot} names no make of servo; pulses of 500 to 2500 us are assumed")
+    cli.notice(f"{robot} names no make of servo; pulses of 500 to 2500 us are assumed")
     return KNOWN_SERVOS["pulse"]
 
 
@@ -102,12 +95,12 @@ def _prepare(
     folder.write_text(tool, text)
     if (folder.path / PAGE).exists():
         return
-    with working(options, "drawing the joints"):
+    with cli.working(options, "drawing the joints"):
         sheet(robot, folder.path / SHEET)
         try:
             draw(robot, folder.path, allow_external=options.allow_external)
         except RenderError as error:
-            notice(str(error), "warning")
+            cli.notice(str(error), "warning")
     rows = [(j, *map(degrees, marks(robot, j))) for j in robot.card.joints]
     page = render("calibration.html", title=f"Calibration of {robot}", rows=rows)
     folder.write_text(PAGE, page)

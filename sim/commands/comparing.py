@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from sim.commands.options import command, folder_of, kept_in, option, report
+from sim.commands import options as cli
 from sim.endings import keeping
 from sim.errors import UsageError
 from sim.figures import NAMES
@@ -21,12 +21,12 @@ if TYPE_CHECKING:
 POSE = ("x", "y", "yaw")
 
 
-@command(
+@cli.command(
     "compare finished runs: settings that differ first, then what came of them",
-    option(
+    cli.option(
         "runs", metavar="RUN", nargs="+", help="folders of finished runs, at least two"
     ),
-    option(
+    cli.option(
         "--out", metavar="FILE.html", help="page to make, with the paths of all runs"
     ),
 )
@@ -74,7 +74,7 @@ def compare(options: argparse.Namespace) -> None:
     ]
     if options.out is not None:
         lines.append(f"{'page':13}{options.out}")
-    report(options, facts | {"page": options.out}, "\n\n".join(lines))
+    cli.report(options, facts | {"page": options.out}, "\n\n".join(lines))
 
 
 def _text(table: Table) -> str:
@@ -86,10 +86,12 @@ def _text(table: Table) -> str:
     return "\n".join("  ".join(map(str.ljust, row, widths)).rstrip() for row in rows)
 
 
-@command(
+@cli.command(
     "what a degree of each zero, a millimetre of each foot and more do to a walk's end",
-    option("run", metavar="RUN", help="folder of a finished run"),
-    option("--out", metavar="FILE.png", help="picture over the robot seen from above"),
+    cli.option("run", metavar="RUN", help="folder of a finished run"),
+    cli.option(
+        "--out", metavar="FILE.png", help="picture over the robot seen from above"
+    ),
 )
 def sensitivities(options: argparse.Namespace) -> None:
     """Print the table, and draw the picture if one is asked for."""
@@ -108,7 +110,7 @@ def sensitivities(options: argparse.Namespace) -> None:
     for row in found:
         x, y, yaw = (1e3 * row[key] for key in POSE)
         lines.append(f"{row['unit']:7}{row['what']:31}{x:18.2f}{y:10.2f}{yaw:12.2f}")
-    report(options, found, *lines)
+    cli.report(options, found, *lines)
 
 
 def rows(run: Run) -> list[dict[str, Any]]:
@@ -157,18 +159,20 @@ def _kind(row: Mapping[str, Any]) -> str:
     return f"a {row['unit']}: {what}"
 
 
-@command(
+@cli.command(
     "draw the paper's Figs. 1 to 9 again, on its kinematics and beside physics",
-    option("--out", metavar="DIR", help="folder to make; otherwise runs/figures-NNN"),
-    option("--only", choices=NAMES, help="draw this one alone"),
+    cli.option(
+        "--out", metavar="DIR", help="folder to make; otherwise runs/figures-NNN"
+    ),
+    cli.option("--only", choices=NAMES, help="draw this one alone"),
 )
 def figures(options: argparse.Namespace) -> None:
     """Draw the figures, name each when it is written, and print their folder."""
     from sim.figures.sheet import draw
     from sim.folder import claim
 
-    folder = claim(folder_of(options), "figures")
-    kept = partial(kept_in, folder.path, options.out)
+    folder = claim(cli.folder_of(options), "figures")
+    kept = partial(cli.kept_in, folder.path, options.out)
     try:
         with bar(quiet=options.json) as progress, keeping(kept):
             facts = {}
@@ -179,4 +183,4 @@ def figures(options: argparse.Namespace) -> None:
     finally:
         folder.discard_if_empty()
     where = f"\n{'folder':26}{folder.path}\n{'captions and tables':26}figures.md in it"
-    report(options, {"folder": str(folder.path), "figures": facts}, where)
+    cli.report(options, {"folder": str(folder.path), "figures": facts}, where)

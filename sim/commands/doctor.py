@@ -18,7 +18,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, NamedTuple
 
-from sim.commands.options import command, option, report
+from sim.commands import options as cli
 from sim.errors import ROOT, ExitCode, FilesError, RenderError, UsageError, one_line
 from sim.progress import bar, stage
 
@@ -51,7 +51,9 @@ class Check(NamedTuple):
     package: str  # to install anew if nothing better is known
 
 
-@command("say what works here: physics, pictures, films, reports, installed packages")
+@cli.command(
+    "say what works here: physics, pictures, films, reports, installed packages"
+)
 def doctor(options: argparse.Namespace) -> ExitCode:
     """Check every part; ends with 0 if all work, else with the code of the first."""
     findings, lines = {}, []
@@ -63,7 +65,7 @@ def doctor(options: argparse.Namespace) -> ExitCode:
         lines.append(f"{name:11}{'works' if found.works else 'fails':8}{found.detail}")
         if found.repair:
             lines.append(f"{'':11}{'repair':8}{found.repair}")
-    report(options, {key: asdict(one) for key, one in findings.items()}, *lines)
+    cli.report(options, {key: asdict(one) for key, one in findings.items()}, *lines)
     codes = (check.code for name, check in CHECKS.items() if not findings[name].works)
     return next(codes, ExitCode.OK)
 
@@ -214,18 +216,12 @@ CHECKS = {
 }
 
 
-@command(
+@cli.command(
     "measure speed and memory, side by side with what they are compared to",
-    option(
-        "--sweeps",
-        action="store_true",
-        help="measure sweeps instead, against a bare batch (extra `sweep`)",
+    cli.flag(
+        "--sweeps", "measure sweeps instead, against a bare batch (extra `sweep`)"
     ),
-    option(
-        "--peers",
-        action="store_true",
-        help="compare plans with those of OMPL and CasADi (extra `peers`)",
-    ),
+    cli.flag("--peers", "compare plans with those of OMPL and CasADi (extra `peers`)"),
     extra="peers",
 )
 def bench(options: argparse.Namespace) -> None:
@@ -239,7 +235,7 @@ def bench(options: argparse.Namespace) -> None:
         from sim.bench.speed import measure
     rows = measure()
     if options.json:
-        report(options, [asdict(row) for row in rows])
+        cli.report(options, [asdict(row) for row in rows])
         return
     for row in rows:
         print(row, flush=True)

@@ -14,14 +14,7 @@ from queue import Empty, Queue
 from threading import Thread
 from typing import IO, TYPE_CHECKING
 
-from sim.commands.options import (
-    command,
-    notice,
-    option,
-    real,
-    scenario_of,
-    scenario_options,
-)
+from sim.commands import options as cli
 from sim.errors import FilesError, UsageError
 
 if TYPE_CHECKING:
@@ -31,37 +24,37 @@ LONGEST, MOST = 10_000, 10_000  # characters of a line, and poses that wait to b
 REPLY = 0.02  # [s], for an answer to a command that is written out of real time
 
 
-@command(
+@cli.command(
     "walk a robot that is not simulated: commands go out, poses come back",
-    *scenario_options(),
-    option(
+    *cli.scenario_options(),
+    cli.option(
         "--poses",
         metavar="FILE",
         default="-",
         help='lines of {"time", "x", "y", "yaw"} in s, m, rad; - is standard input',
     ),
-    option(
+    cli.option(
         "--commands",
         metavar="FILE",
         default="-",
         help='lines of {"time": s, "ctrl": {joint: rad}}; - is standard output',
     ),
-    option(
+    cli.option(
         "--pace",
-        type=real("a pace", 1.0),
+        type=cli.real("a pace", 1.0),
         default=1.0,
         help="speed in times real time; 0 writes as fast as poses come",
     ),
-    option(
+    cli.option(
         "--patience",
-        type=real("a time", 2.0, zero=False),
+        type=cli.real("a time", 2.0, zero=False),
         default=2.0,
         help="seconds to stand still for a pose; then it counts as not seen",
     ),
 )
 def drive(options: argparse.Namespace) -> None:
     """Drive the robot to the end of the scenario's path."""
-    scenario = scenario_of(options)
+    scenario = cli.scenario_of(options)
 
     from sim.export.served import served
 
@@ -81,7 +74,7 @@ def drive(options: argparse.Namespace) -> None:
                 link.send(walk, row)
             stop = walk.seen(segment, link.reading(walk))
             x, y, yaw = stop.thought
-            notice(
+            cli.notice(
                 f"segment {segment + 1} of {walk.setup.scenario.segments}: thought at "
                 f"{x:.4f} m, {y:.4f} m, {yaw:.3f} rad",
                 "driven",
@@ -186,7 +179,7 @@ class Link:
         if due and (sensing.until is None or len(walk.stops) < sensing.until):
             while len(found) < sensing.readings and not self.poses.ended:
                 if walk.time > stopped + self.patience:
-                    notice(f"t = {walk.time:.2f} s: no pose came", "warning")
+                    cli.notice(f"t = {walk.time:.2f} s: no pose came", "warning")
                     break
                 self.send(walk, walk.wait())
                 found += self._since(stopped)

@@ -9,18 +9,7 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sim.commands.options import (
-    NAMED,
-    command,
-    elsewhere,
-    notice,
-    option,
-    real,
-    report,
-    robot_of,
-    scenario_of,
-    scenario_options,
-)
+from sim.commands import options as cli
 from sim.commands.walks import TOLERANCE, judged
 from sim.endings import again, keeping
 from sim.errors import ExitCode, UsageError
@@ -40,35 +29,28 @@ COARSE = (
 )
 
 
-@command(
+@cli.command(
     "write a walk for the servos of a robot, read it back and play it in MuJoCo",
-    *scenario_options(
+    *cli.scenario_options(
         "RUN|SCENARIO", "a run folder, a shipped scenario, or the file of one"
     ),
-    option(
+    cli.option(
         "--format", choices=FORMATS, required=True, help="what the servos understand"
     ),
-    option("--out", metavar="FILE", required=True, help="file to write"),
-    option(
+    cli.option("--out", metavar="FILE", required=True, help="file to write"),
+    cli.option(
         "--rate",
-        type=real("a rate", 50, zero=False),
+        type=cli.real("a rate", 50, zero=False),
         metavar="N",
         help="commands a second, where the walk has no rate of its own; otherwise 50",
     ),
-    option(
-        "--microseconds",
-        action="store_true",
-        help="a header of pulses in microseconds instead of counts",
-    ),
-    option(
+    cli.flag("--microseconds", "a header of pulses in microseconds instead of counts"),
+    cli.option(
         "--servo-table", metavar="FILE.yaml", help="servos as ROS packages list them"
     ),
     TOLERANCE,
-    option(
-        "--play",
-        action=argparse.BooleanOptionalAction,
-        default=True,
-        help="play what was written in the physics, and compare",
+    cli.switch(
+        "--play", "play what was written in the physics, and compare", default=True
     ),
 )
 def export(options: argparse.Namespace) -> ExitCode:
@@ -84,7 +66,7 @@ def export(options: argparse.Namespace) -> ExitCode:
     def kept() -> str:
         if not out.exists():
             return f"nothing is written, start again: {again()}"
-        on = again(*elsewhere(str(out)))
+        on = again(*cli.elsewhere(str(out)))
         return f"{out} is written and not played, start again: {on}"
 
     with bar(quiet=options.json) as progress, blame, keeping(kept):
@@ -93,9 +75,9 @@ def export(options: argparse.Namespace) -> ExitCode:
         played = _played(options, source, read, progress)
     summary = source.run.summary
     if not source.servo.rate:
-        notice(COARSE.format(rate=read.rate))
+        cli.notice(COARSE.format(rate=read.rate))
     if summary.verdict != "arrived":
-        notice(f"the walk that was exported {summary.verdict_text}", "warning")
+        cli.notice(f"the walk that was exported {summary.verdict_text}", "warning")
     facts = {
         "file": options.out,
         "format": options.format,
@@ -105,7 +87,7 @@ def export(options: argparse.Namespace) -> ExitCode:
         "exported": None,
         **{name: one.to_json() for name, one in played.items()},
     }
-    report(options, facts, _report(options, source, read, played, coarse))
+    cli.report(options, facts, _report(options, source, read, played, coarse))
     weighed = {f"the walk as {name}": one.weighed for name, one in played.items()}
     remedy = f"{options.out} is written; correct the walk before servos carry it out"
     return judged(summary, options.tolerance, remedy, weighed)
@@ -144,7 +126,7 @@ def _source(options: argparse.Namespace, progress: Progress) -> Source:
 
     folder = Path(options.scenario)
     if folder.is_dir():
-        named = (key for key in NAMED if getattr(options, key, None))
+        named = (key for key in cli.NAMED if getattr(options, key, None))
         given = [f"--{key.replace('_', '-')}" for key in named]
         if given := [*given, *(["--set"] if options.set else [])]:
             what = f"{', '.join(given)} for a run, which is exported as it was walked"
@@ -152,8 +134,8 @@ def _source(options: argparse.Namespace, progress: Progress) -> Source:
             raise UsageError(what, options.scenario, remedy)
         source = from_run(folder, allow_external=options.allow_external)
     else:
-        scenario = scenario_of(options)
-        robot = robot_of(options, scenario.robot)
+        scenario = cli.scenario_of(options)
+        robot = cli.robot_of(options, scenario.robot)
         source = from_scenario(scenario, robot, progress)
     own = source.servo.rate
     if options.rate and own and options.rate != own:

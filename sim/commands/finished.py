@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
-from sim.commands.options import LOOK, RUN, command, notice, option, report, run_of
+from sim.commands import options as cli
 from sim.errors import UsageError
 from sim.progress import bar
 
@@ -29,16 +29,12 @@ OF_PREDICTIONS = {
     "quasi_static": ("murphey2006", "hatton2025"),
     "compliant": ("alart1991",),
 }
-BROWSER = option(
-    "--browser",
-    action=argparse.BooleanOptionalAction,
-    help="open it; by default where there is a display",
-)
+BROWSER = cli.switch("--browser", "open it; by default where there is a display")
 
 
-@command(
+@cli.command(
     "draw the report of a finished run, and open it where there is a display",
-    RUN,
+    cli.RUN,
     BROWSER,
 )
 def show(options: argparse.Namespace) -> None:
@@ -47,10 +43,10 @@ def show(options: argparse.Namespace) -> None:
     from sim.reports.page import write_report
     from sim.runs.run import read_run
 
-    folder = run_of(options)
+    folder = cli.run_of(options)
     with bar(quiet=options.json) as progress, blamed_on(folder):
         path = write_report(read_run(folder), progress)
-    report(options, {"report": str(path)}, path)
+    cli.report(options, {"report": str(path)}, path)
     _open(path.as_uri(), options.browser)
 
 
@@ -63,19 +59,21 @@ def _open(address: str, wanted: bool | None) -> None:
         return
     sys.stdout.flush()
     if not webbrowser.open(address):
-        notice(f"no browser found for {address}", "warning")
+        cli.notice(f"no browser found for {address}", "warning")
 
 
-@command(
+@cli.command(
     "film a finished run, or a stretch of it, from any side",
-    RUN,
-    option("--camera", default="across", metavar="VIEW", help=CAMERAS),
-    option(
+    cli.RUN,
+    cli.option("--camera", default="across", metavar="VIEW", help=CAMERAS),
+    cli.option(
         "--from", dest="start", type=float, metavar="S", help="begin [s]; or the start"
     ),
-    option("--to", dest="stop", type=float, metavar="S", help="end [s]; or the end"),
-    LOOK,
-    option(
+    cli.option(
+        "--to", dest="stop", type=float, metavar="S", help="end [s]; or the end"
+    ),
+    cli.LOOK,
+    cli.option(
         "--out",
         metavar="FILE",
         help="film to make in .mp4, or small animated picture in .webp; otherwise "
@@ -93,14 +91,14 @@ def film(options: argparse.Namespace) -> None:
 
     with bar(quiet=options.json) as progress:
         filmed = film_folder(
-            run_of(options),
+            cli.run_of(options),
             look=options.look,
             camera=options.camera,
             stretch=(start, stop),
             path=path,
             progress=lambda part: progress("filming", part),
         )
-    report(options, {"film": str(filmed)}, filmed)
+    cli.report(options, {"film": str(filmed)}, filmed)
 
 
 def _new_film(out: str | None) -> Path | None:
@@ -119,30 +117,25 @@ def _new_film(out: str | None) -> Path | None:
     return path
 
 
-@command(
+@cli.command(
     "look at a finished run in three dimensions, in a browser",
-    RUN,
-    option(
+    cli.RUN,
+    cli.option(
         "--port", type=int, default=0, metavar="N", help="port; or a free one from 8080"
     ),
-    option(
+    cli.option(
         "--host",
         default="127.0.0.1",
         metavar="ADDRESS",
         help="address to listen on; by default this machine alone",
     ),
-    option(
-        "--public",
-        action="store_true",
-        help="let others connect to --host; nothing is encrypted",
-    ),
-    option(
+    cli.flag("--public", "let others connect to --host; nothing is encrypted"),
+    cli.option(
         "--speed", type=float, default=1.0, metavar="X", help="against real time, 1"
     ),
-    option(
+    cli.flag(
         "--replay",
-        action="store_true",
-        help="write replay.html into the run instead, one file that needs no server",
+        "write replay.html into the run instead, one file that needs no server",
     ),
     BROWSER,
 )
@@ -166,7 +159,7 @@ def view(options: argparse.Namespace) -> None:
         _open(address, options.browser)
 
     try:
-        serve(run_of(options), options.host, options.port, options.speed, started)
+        serve(cli.run_of(options), options.host, options.port, options.speed, started)
     except KeyboardInterrupt:
         print(file=sys.stderr)  # the shell's next line begins below ^C
 
@@ -176,14 +169,14 @@ def _write_replay(options: argparse.Namespace) -> None:
     from sim.viewing.replay import write_replay
 
     with bar(quiet=options.json) as progress:
-        path = write_replay(run_of(options), lambda part: progress("replay", part))
-    report(options, {"replay": str(path)}, path)
+        path = write_replay(cli.run_of(options), lambda part: progress("replay", part))
+    cli.report(options, {"replay": str(path)}, path)
     _open(path.resolve().as_uri(), options.browser)
 
 
-@command(
+@cli.command(
     "print what to cite: the program and the paper, or all that a run has used",
-    option("run", metavar="RUN", nargs="?", help="folder of a finished run"),
+    cli.option("run", metavar="RUN", nargs="?", help="folder of a finished run"),
 )
 def cite(options: argparse.Namespace) -> None:
     """Print BibTeX entries."""
@@ -205,7 +198,7 @@ def cite(options: argparse.Namespace) -> None:
     }
     chosen = [entries[key].replace("{VERSION}", f"{{{made}}}") for key in keys]
     bibtex = "\n".join(chosen)
-    report(options, {"keys": keys, "bibtex": bibtex}, bibtex)
+    cli.report(options, {"keys": keys, "bibtex": bibtex}, bibtex)
 
 
 def _used(run: Run) -> Iterator[str]:

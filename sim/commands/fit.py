@@ -8,15 +8,7 @@ from math import degrees, floor, log10, sqrt
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sim.commands.options import (
-    TRUST,
-    command,
-    option,
-    report,
-    robot_of,
-    set_option,
-    settings_of,
-)
+from sim.commands import options as cli
 from sim.errors import UsageError
 from sim.progress import bar, stage
 
@@ -30,29 +22,28 @@ if TYPE_CHECKING:
 MILLI, MILLI_UNITS = 1e3, {"rad": "mrad", "s": "ms"}  # in tables
 
 
-@command(
+@cli.command(
     "estimate servos, load and floor from logs and walks, with standard errors",
-    option(
+    cli.option(
         "sources",
         metavar="ROBOT|RUN|LOG",
         nargs="+",
         help="the robot, if there are logs in files, and logs or folders of runs",
     ),
-    option("--out", metavar="CARD.toml", help="card to write, with what was found"),
-    option(
+    cli.option("--out", metavar="CARD.toml", help="card to write, with what was found"),
+    cli.switch(
         "--walking",
-        action=argparse.BooleanOptionalAction,
-        help="whether the robot walks, or its feet hang in the air, as they do in logs "
+        "whether the robot walks, or its feet hang in the air, as they do in logs "
         "without the body's pose",
     ),
-    option(
+    cli.option(
         "--units",
         choices=("radians", "degrees"),
         default="radians",
         help="what angles of logs are in",
     ),
-    TRUST,
-    set_option("what is known of the robot, such as friction=0.5"),
+    cli.TRUST,
+    cli.set_option("what is known of the robot, such as friction=0.5"),
 )
 def fit(options: argparse.Namespace) -> None:
     """Fit servos and what moves the body, print both, and write a card if asked for."""
@@ -88,7 +79,7 @@ def fit(options: argparse.Namespace) -> None:
         text = card_text(setup.robot, told, options.sources)
         lines.append(f"written: {write_card(setup.robot, Path(options.out), text)}")
     settings = {key: {"value": v, "error": e} for key, (v, e) in told.items()}
-    report(options, {"settings": settings} | facts, *lines)
+    cli.report(options, {"settings": settings} | facts, *lines)
 
 
 def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | None]:
@@ -110,7 +101,7 @@ def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | No
         what = f"{first!r} is no robot, and a log does not name its own"
         raise UsageError(what, "the command line", f"stratawalk fit hexapod {first}")
     run = runs.get(paths[0])
-    robot = robot_of(options, run.scenario.robot if run and not named else first)
+    robot = cli.robot_of(options, run.scenario.robot if run and not named else first)
     logs = [
         log_of(runs[path])
         if path in runs
@@ -127,7 +118,7 @@ def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | No
             raise UsageError(what, str(path), remedy)
     if run is not None:
         return prepare(run.scenario, robot), logs, walked_of_run(run)
-    scenario = scenario_of(robot, paths[0], settings_of(options))
+    scenario = scenario_of(robot, paths[0], cli.settings_of(options))
     setup = prepare(scenario, robot, log=logs[0])
     try:
         walked = None if logs[0].pose is None else walked_of_log(setup, logs[0])

@@ -73,6 +73,17 @@ def option(*names: str, **declared: object) -> Option:
     return methodcaller("add_argument", *names, **declared)
 
 
+def flag(name: str, about: str) -> Option:
+    """An option without a value, which is off unless it is given."""
+    return option(name, action="store_true", help=about)
+
+
+def switch(name: str, about: str, default: bool | None = None) -> Option:
+    """An option that `--no-` before its name turns off."""
+    action = argparse.BooleanOptionalAction
+    return option(name, action=action, default=default, help=about)
+
+
 def set_option(about: str) -> Option:
     """`--set`, which replaces values one by one."""
     return option(
@@ -99,11 +110,7 @@ def setting_option(name: str, read: Callable[[str], int] = int) -> Option:
     )
 
 
-TRUST = option(
-    "--allow-external",
-    action="store_true",
-    help="let a robot's MJCF open files outside its own folder",
-)
+TRUST = flag("--allow-external", "let a robot's MJCF open files outside its own folder")
 RUN = option(
     "run",
     metavar="RUN",

@@ -8,7 +8,7 @@ from importlib import import_module
 from typing import NoReturn
 
 from planner.support import did_you_mean
-from sim.commands.options import Command, command, option, report
+from sim.commands import options as cli
 from sim.errors import UsageError
 
 COMMANDS = {  # in the order of help, and the module that each is in
@@ -91,7 +91,7 @@ def parser() -> Parser:
     )
     commands = stratawalk.add_subparsers(metavar="COMMAND", required=True)
     for name, module in COMMANDS.items():
-        found: Command = getattr(import_module(f"sim.commands.{module}"), name)
+        found: cli.Command = getattr(import_module(f"sim.commands.{module}"), name)
         own = commands.add_parser(
             name, help=found.help, description=found.help, allow_abbrev=False
         )
@@ -146,9 +146,9 @@ def _refuse_option(word: str, where: str, known: Sequence[str]) -> NoReturn:
     raise UsageError(f"unknown option {option}", where, did_you_mean(option, known))
 
 
-@command(
+@cli.command(
     "print a script that completes this command's words in a shell",
-    option("shell", choices=("bash", "zsh", "tcsh"), help="the shell it is for"),
+    cli.option("shell", choices=("bash", "zsh", "tcsh"), help="the shell it is for"),
     epilog="To install it for good: stratawalk completion bash > "
     "~/.local/share/bash-completion/completions/stratawalk",
 )
@@ -163,7 +163,7 @@ def completion(options: argparse.Namespace) -> None:
     shipped = {"SCENARIO": shipped_scenarios(), "SYSTEM": tuple(SYSTEMS)}
     _name_what_is_shipped(commands, shipped | {"ROBOT": robots, "NAME": robots})
     script = shtab.complete(commands, shell)
-    report(options, {"shell": shell, "script": script}, script)
+    cli.report(options, {"shell": shell, "script": script}, script)
 
 
 def _name_what_is_shipped(

@@ -12,15 +12,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sim.commands.options import (
-    command,
-    option,
-    report,
-    robot_of,
-    scenario_of,
-    scenario_options,
-    settings_of,
-)
+from sim.commands import options as cli
 from sim.commands.plan_report import (
     Accuracy,
     Prospect,
@@ -74,11 +66,11 @@ def _for_systems(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--save", metavar="FILE.json", help="keep the plan")
 
 
-@command(
+@cli.command(
     "plan a scenario or a system and play it on the exact kinematics",
-    *scenario_options("SCENARIO|SYSTEM"),
+    *cli.scenario_options("SCENARIO|SYSTEM"),
     _for_systems,
-    option("--flows", action="store_true", help="print every flow as well"),
+    cli.flag("--flows", "print every flow as well"),
 )
 def plan(options: argparse.Namespace) -> None:
     """Plan the scenario or the system and print the result."""
@@ -87,8 +79,8 @@ def plan(options: argparse.Namespace) -> None:
 
     source = options.scenario
     if not _is_for_systems(options):
-        scenario = scenario_of(options)
-        robot = robot_of(options, scenario.robot)
+        scenario = cli.scenario_of(options)
+        robot = cli.robot_of(options, scenario.robot)
         with bar(quiet=options.json) as progress:
             planned, told = _walk(scenario, robot, progress)
     elif source.endswith(".json"):
@@ -105,7 +97,7 @@ def plan(options: argparse.Namespace) -> None:
     if options.flows:
         facts["flows"] = planned.flows
         lines = [*map(str, planned.flows), "", *lines]
-    report(options, facts, *lines)
+    cli.report(options, facts, *lines)
 
 
 def _is_for_systems(options: argparse.Namespace) -> bool:
@@ -158,7 +150,7 @@ def _system(options: argparse.Namespace, progress: Progress) -> Outcome:
 
     began = time.perf_counter()
     with stage(progress, "compiling"):
-        wanted = find(options.scenario, settings_of(options))
+        wanted = find(options.scenario, cli.settings_of(options))
         by_elements = any(getattr(options, o) not in (None, []) for o in BY_ELEMENTS)
         chained = wanted.flat is not None and not by_elements
         segments = 1 if chained and options.segments is None else options.segments

@@ -6,15 +6,7 @@ import argparse
 import os
 from typing import TYPE_CHECKING, Any
 
-from sim.commands.options import (
-    command,
-    report,
-    robot_of,
-    robot_options,
-    set_option,
-    settings_of,
-    working,
-)
+from sim.commands import options as cli
 from sim.errors import UsageError
 from sim.progress import Progress, bar, stage
 
@@ -28,9 +20,9 @@ BUDGET = 30.0  # [s] of the processor, to adopt a robot
 PLACES = (-1.0, 0.0, 1.0)  # of the span at which measured twists are shown
 
 
-@command(
+@cli.command(
     "list the shipped robots, or check one and show it in numbers",
-    *robot_options(
+    *cli.robot_options(
         "a shipped robot, or your FILE.xml with its card (docs/robots.md)", nargs="?"
     ),
 )
@@ -53,7 +45,7 @@ def robots(options: argparse.Namespace) -> None:
         for name, card in cards.items()
     ]
     lines = (f"{n:20}{len(c.legs)} legs  {c.description}" for n, c in cards.items())
-    report(options, facts, *lines)
+    cli.report(options, facts, *lines)
 
 
 def _show(options: argparse.Namespace) -> None:
@@ -61,14 +53,14 @@ def _show(options: argparse.Namespace) -> None:
     from sim.scenarios.file import load_scenario
 
     scenario = load_scenario("line", {"robot": options.robot})
-    with working(options, "trying it out"):
-        found = inspected(scenario, robot_of(options, scenario.robot))
-    report(options, found, describe(found))
+    with cli.working(options, "trying it out"):
+        found = inspected(scenario, cli.robot_of(options, scenario.robot))
+    cli.report(options, found, describe(found))
 
 
-@command(
+@cli.command(
     "draft the card of a robot in MJCF or URDF: legs, groups, posture, servos",
-    *robot_options(
+    *cli.robot_options(
         "an MJCF or URDF file, or a model folder of MuJoCo Menagerie", "FILE"
     ),
 )
@@ -96,7 +88,7 @@ def adopt(options: argparse.Namespace) -> None:
         f"walk: stratawalk run line --robot {source.path}{trust}"
     )
     told = {"written": files, "guesses": draft.guesses, "robot": found}
-    report(options, told, describe(found), "", *lines, to_do)
+    cli.report(options, told, describe(found), "", *lines, to_do)
 
 
 def _adopted(options: argparse.Namespace) -> tuple[Source, Draft, Setup, list[Path]]:
@@ -112,7 +104,7 @@ def _adopted(options: argparse.Namespace) -> tuple[Source, Draft, Setup, list[Pa
             raise UsageError(
                 "already exists", str(path), "move it away: adopt overwrites no file"
             )
-    with working(options, "finding the legs"):
+    with cli.working(options, "finding the legs"):
         draft = draft_card(source)
     from sim.figures.mechanism import save_standing
     from sim.preparation.setup import prepare
@@ -123,11 +115,11 @@ def _adopted(options: argparse.Namespace) -> tuple[Source, Draft, Setup, list[Pa
             if text is not None:
                 with whole(path) as part:
                     part.write_text(text)
-        with working(options, "trying to stand"):
+        with cli.working(options, "trying to stand"):
             name = str(source.path)
             robot = load(name, allow_external=options.allow_external)
             setup = prepare(load_scenario("line", {"robot": name}), robot)
-        with working(options, "drawing it from above"), whole(picture) as part:
+        with cli.working(options, "drawing it from above"), whole(picture) as part:
             save_standing(setup, draft.gait.pivots, part)
     except BaseException:
         for path in (card, picture, *model):
@@ -136,24 +128,24 @@ def _adopted(options: argparse.Namespace) -> tuple[Source, Draft, Setup, list[Pa
     return source, draft, setup, [*model, card, picture]
 
 
-@command(
+@cli.command(
     "measure a robot's fields by short experiments in the physics",
-    *robot_options("a shipped robot, or a FILE.xml"),
-    set_option("any setting of a scenario, such as friction=0.5"),
+    *cli.robot_options("a shipped robot, or a FILE.xml"),
+    cli.set_option("any setting of a scenario, such as friction=0.5"),
 )
 def identify(options: argparse.Namespace) -> None:
     """Measure, and print every field at three places of its swing."""
     from sim.preparation.setup import prepare
     from sim.scenarios.file import load_scenario
 
-    changes = settings_of(options) | {"robot": options.robot}
+    changes = cli.settings_of(options) | {"robot": options.robot}
     scenario = load_scenario("line", changes)
-    robot = robot_of(options, scenario.robot)
+    robot = cli.robot_of(options, scenario.robot)
     with bar(quiet=options.json) as progress:
         with stage(progress, "compiling"):
             setup = prepare(scenario, robot)
         found = fields(setup, progress)
-    report(options, found, *map(_describe, found))
+    cli.report(options, found, *map(_describe, found))
 
 
 def fields(setup: Setup, progress: Progress) -> list[dict[str, Any]]:

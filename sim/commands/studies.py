@@ -11,15 +11,7 @@ from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from sim.commands.options import (
-    command,
-    notice,
-    option,
-    report,
-    robot_of,
-    robot_options,
-    whole,
-)
+from sim.commands import options as cli
 from sim.endings import again, keeping
 from sim.errors import ExitCode, UsageError
 from sim.progress import bar, stage
@@ -46,36 +38,30 @@ def _shard(text: str) -> Shard:
         raise argparse.ArgumentTypeError(f"{error.what}; {error.remedy}") from error
 
 
-@command(
+@cli.command(
     "walk a scenario with many settings, into one table; what is done is never lost",
-    option(
+    cli.option(
         "file",
         metavar="FILE.toml",
         help="which scenario, what varies; or a shipped study",
     ),
-    option(
+    cli.option(
         "--out", metavar="DIR", required=True, help="folder of the sweep, to be made"
     ),
-    option(
-        "--resume",
-        action="store_true",
-        help="walk only what is not done yet; begin if there is nothing",
+    cli.flag("--resume", "walk only what is not done yet; begin if there is nothing"),
+    cli.flag(
+        "--force-mix", "keep points in a table although sweep or versions have changed"
     ),
-    option(
-        "--force-mix",
-        action="store_true",
-        help="keep points in a table although sweep or versions have changed",
-    ),
-    option(
+    cli.option(
         "--workers",
-        type=whole(1, MOST_WORKERS),
+        type=cli.whole(1, MOST_WORKERS),
         metavar="N",
         help="processes on this machine; one a core if not given",
     ),
-    option(
+    cli.option(
         "--scheduler", metavar="ADDRESS", help="Dask scheduler whose workers to take"
     ),
-    option(
+    cli.option(
         "--shard",
         type=_shard,
         metavar="I/N",
@@ -117,14 +103,16 @@ def sweep(options: argparse.Namespace) -> ExitCode:
             points, folder, workers, scheduler, mix=options.force_mix, show=show
         )
         for line in write_run_folders(points, folder):
-            notice(f"no run folder, {line}", "warning")
+            cli.notice(f"no run folder, {line}", "warning")
     return _print_result(options, result, folder.table)
 
 
-@command(
+@cli.command(
     "join what `sweep --shard` has walked to one table",
-    option("folders", metavar="DIR", nargs="+", help="folders of the sweep's shards"),
-    option(
+    cli.option(
+        "folders", metavar="DIR", nargs="+", help="folders of the sweep's shards"
+    ),
+    cli.option(
         "--out",
         metavar="DIR",
         help="where the table goes; the first folder if not given",
@@ -145,7 +133,7 @@ def _print_result(options: argparse.Namespace, result: Result, table: Path) -> E
     counts = {key: getattr(result, key) for key in ("points", "failed", "walked")}
     reasons = dict(result.reasons)
     shown = list(reasons.items())[:PRINTED]
-    report(
+    cli.report(
         options,
         {**counts, "reasons": reasons, "table": str(table)},
         f"{result.points} points, {result.walked} walked now, {result.failed} failed",
@@ -155,20 +143,22 @@ def _print_result(options: argparse.Namespace, result: Result, table: Path) -> E
     if result.failed and not options.json:
         line = f"{result.failed} of {result.points} points failed"
         where = f"{table}; the column status says why"
-        notice(f"{line}: {where}", "error")
+        cli.notice(f"{line}: {where}", "error")
     return ExitCode.SWEEP if result.failed else ExitCode.OK
 
 
-@command(
+@cli.command(
     "map where the predictions of a sweep hold, and tell which settings matter",
-    option("table", metavar="TABLE", help="table of a sweep, or the sweep's folder"),
-    option(
+    cli.option(
+        "table", metavar="TABLE", help="table of a sweep, or the sweep's folder"
+    ),
+    cli.option(
         "--prediction",
         choices=LABELS,
         default="quasi-static",
         help="prediction that the walks are compared with",
     ),
-    option(
+    cli.option(
         "--out",
         metavar="DIR|FILE.html",
         help="folder for the maps, or a page with maps, worst and best walks; `maps` "
@@ -203,21 +193,23 @@ def study(options: argparse.Namespace) -> None:
             drawn = draw_maps(results, folder)
             made = {"maps": [str(path) for path in drawn]}
             lines = [f"{'map':8}{path}" for path in drawn]
-    report(options, asdict(found) | made, found, *lines)
+    cli.report(options, asdict(found) | made, found, *lines)
 
 
-@command(
+@cli.command(
     "how few joints suffice: swings locked or coupled, legs lifted in groups",
-    *robot_options("a shipped robot, or MJCF with a card"),
-    option(
+    *cli.robot_options("a shipped robot, or MJCF with a card"),
+    cli.option(
         "--walks",
-        type=whole(0),
+        type=cli.whole(0),
         default=20,
         metavar="N",
         help="how many designs to walk, the fewest joints first; 20 if not given",
     ),
-    option("--designs", type=whole(1), metavar="N", help="look at the first N alone"),
-    option("--out", metavar="FILE", help="Parquet table of all designs"),
+    cli.option(
+        "--designs", type=cli.whole(1), metavar="N", help="look at the first N alone"
+    ),
+    cli.option("--out", metavar="FILE", help="Parquet table of all designs"),
     extra="sweep",
 )
 def design(options: argparse.Namespace) -> None:
@@ -226,7 +218,7 @@ def design(options: argparse.Namespace) -> None:
     from sim.sweeps.identity import software
     from sim.sweeps.table import write_table
 
-    robot = robot_of(options, options.robot)
+    robot = cli.robot_of(options, options.robot)
     found = list(islice(designs(robot.legs), options.designs))
     if not found:
         what = (
@@ -243,7 +235,7 @@ def design(options: argparse.Namespace) -> None:
     if options.out is not None:
         about = {"robot": options.robot, "software": software()}
         write_table(Path(options.out), rows, about)
-    report(options, rows, *_table(rows))
+    cli.report(options, rows, *_table(rows))
 
 
 def _table(rows: list[Mapping[str, Any]]) -> Iterator[str]:

@@ -11,16 +11,7 @@ from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sim.commands.options import (
-    TRUST,
-    command,
-    option,
-    report,
-    robot_of,
-    set_option,
-    settings_of,
-    working,
-)
+from sim.commands import options as cli
 from sim.errors import StratawalkError, UsageError
 
 if TYPE_CHECKING:
@@ -32,9 +23,11 @@ Loads = Mapping[str, tuple[float, float]]  # by stratum: at rest, and at best
 SUFFIXES = (".toml", ".py")
 
 
-@command(
+@cli.command(
     "list the shipped scenarios, or print one with all its settings",
-    option("scenario", metavar="SCENARIO", nargs="?", help="print this one as TOML"),
+    cli.option(
+        "scenario", metavar="SCENARIO", nargs="?", help="print this one as TOML"
+    ),
 )
 def scenarios(options: argparse.Namespace) -> None:
     """Print the list, or one scenario."""
@@ -42,16 +35,18 @@ def scenarios(options: argparse.Namespace) -> None:
 
     if options.scenario:
         one = load_scenario(options.scenario)
-        report(options, to_table(one), dumps(one).rstrip())
+        cli.report(options, to_table(one), dumps(one).rstrip())
         return
     all = [load_scenario(name) for name in shipped_scenarios()]
     lines = (f"{s.name:12}{s.segments:4} segments  {s.description}" for s in all)
-    report(options, [to_table(scenario) for scenario in all], *lines)
+    cli.report(options, [to_table(scenario) for scenario in all], *lines)
 
 
-@command(
+@cli.command(
     "list the shipped systems and their parameters",
-    option("system", metavar="SYSTEM", nargs="?", help="one of them; otherwise all"),
+    cli.option(
+        "system", metavar="SYSTEM", nargs="?", help="one of them; otherwise all"
+    ),
 )
 def systems(options: argparse.Namespace) -> None:
     """Print names, descriptions and parameters."""
@@ -81,7 +76,7 @@ def systems(options: argparse.Namespace) -> None:
         lines.append(f"{name:18}{of.description}")
         if pairs := " ".join(f"{k}={json.dumps(v)}" for k, v in given.items()):
             lines.append(f"{'':18}--set {pairs}")
-    report(options, facts, *lines)
+    cli.report(options, facts, *lines)
 
 
 def is_system(source: str, others: Collection[str], kind: str = "scenario") -> bool:
@@ -143,22 +138,24 @@ def refused(where: str) -> Iterator[None]:
         raise UsageError.at(where, error, "see docs/systems.md") from error
 
 
-@command(
+@cli.command(
     "test a system's or robot's gait for controllability (ends with 0 either way)",
-    option(
+    cli.option(
         "system",
         metavar="SYSTEM|ROBOT",
         help="a shipped system or robot, a TOML or Python file, or MJCF with a card",
     ),
-    TRUST,
-    option(
+    cli.TRUST,
+    cli.option(
         "--gait", metavar="STRATUM", nargs="+", help="strata in order, the first again"
     ),
-    option(
+    cli.option(
         "--at", metavar="NAME=VALUE", nargs="+", help="coordinates; else the start's"
     ),
-    option("--depth", type=int, metavar="N", help="highest degree of brackets to form"),
-    set_option("a parameter of the system"),
+    cli.option(
+        "--depth", type=int, metavar="N", help="highest degree of brackets to form"
+    ),
+    cli.set_option("a parameter of the system"),
 )
 def check(options: argparse.Namespace) -> None:
     """Test the gait by both criteria of Sec. 4 and print the results."""
@@ -166,12 +163,12 @@ def check(options: argparse.Namespace) -> None:
     from planner import gait_controllability
     from planner.controllability import MAX_DEPTH
 
-    with working(options, "reading the fields"):
+    with cli.working(options, "reading the fields"):
         subject = _subject(options)
     system, gait, start = subject.system, subject.gait, subject.start
     if options.gait:
         gait = _gait(system, options.gait)
-    with working(options, "testing the gait"), refused(options.system):
+    with cli.working(options, "testing the gait"), refused(options.system):
         at = coordinates(options.at or (), "--at")
         found = gait_controllability(
             system,
@@ -179,7 +176,7 @@ def check(options: argparse.Namespace) -> None:
             configuration(system, "--at", at, start).tolist(),
             MAX_DEPTH if options.depth is None else options.depth,
         )
-    with working(options, "finding the strokes"):
+    with cli.working(options, "finding the strokes"):
         costs = _costs(subject, found) if found.controllable else ()
     theory = [cost.direction for cost in costs if cost.in_theory_only]
     facts = asdict(found) | {
@@ -196,7 +193,7 @@ def check(options: argparse.Namespace) -> None:
         )
         load = f"{'least load':12}{'; '.join(shares)} (share of the weight on a foot)"
         lines.append(load)
-    report(options, {"system": options.system, **facts}, *lines)
+    cli.report(options, {"system": options.system, **facts}, *lines)
 
 
 @dataclass(frozen=True)
@@ -242,12 +239,12 @@ def _subject(options: argparse.Namespace) -> _Subject:
 
     source = options.system
     if not source.endswith(".xml") and is_system(source, shipped_robots(), "robot"):
-        problem = find(source, settings_of(options))
+        problem = find(source, cli.settings_of(options))
         start = problem.states[0]
         return _Subject(problem.system, problem.gait, start, problem.elements, {}, {})
     if options.set:
         raise UsageError("a robot has no parameters", "--set", "leave it out")
-    robot = robot_of(options, source)
+    robot = cli.robot_of(options, source)
     described, loads = equations(robot), StaticStability(robot).at_rest_and_best()
     elements, strokes = described.elements, described.strokes
     return _Subject(described.system, robot.card.gait, None, elements, strokes, loads)

@@ -9,7 +9,7 @@ from statistics import median
 
 from models import Robot
 from planner import PlannerError
-from sim.commands.options import elsewhere, ended, report
+from sim.commands import options as cli
 from sim.endings import again, keeping
 from sim.errors import ExitCode, StratawalkError, one_line
 from sim.evaluation.quantities import CLAIMED, MARGIN, POSITION, ROWS, WRONG, YAW
@@ -58,13 +58,13 @@ def tries_of(
         table = folder.path / TABLE
         done = table.read_text().count("\n") - 1 if table.is_file() else 0
         rest = "--draw", f"{draws[done]}", "--tries", f"{len(draws) - done}"
-        on = again(*rest, *elsewhere(options.out))
+        on = again(*rest, *cli.elsewhere(options.out))
         return f"{done} of {len(draws)} draws are kept in {table}, go on: {on}"
 
     with bar(quiet=options.json) as progress, keeping(kept):
         tries = walk_tries(scenario, robot, folder, draws, progress)
     lines = [*describe(tries, scenario.path.length), "", f"{'folder':13}{folder.path}"]
-    report(options, [asdict(one) for one in tries], *lines)
+    cli.report(options, [asdict(one) for one in tries], *lines)
     return judged_tries(tries, options.tolerance, f"see {folder.path}")
 
 
@@ -130,7 +130,7 @@ def judged_tries(tries: Sequence[Try], tolerance: float, remedy: str) -> ExitCod
     if broken:
         first = broken[0]
         how = f"draw {first.draw} and {len(broken) - 1} more: {first.verdict}"
-        return ended(ExitCode.SIMULATION, how, where, remedy)
+        return cli.ended(ExitCode.SIMULATION, how, where, remedy)
     worst = max(one.off or 0.0 for one in tries)
     if worst <= tolerance:
         return ExitCode.OK
@@ -139,4 +139,4 @@ def judged_tries(tries: Sequence[Try], tolerance: float, remedy: str) -> ExitCod
         f"{count} came out farther off goal or prediction than --tolerance "
         f"{tolerance:g}, at worst {100 * worst:.3g} % of the path"
     )
-    return ended(ExitCode.TOLERANCE, how, where, remedy)
+    return cli.ended(ExitCode.TOLERANCE, how, where, remedy)

@@ -10,26 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sim.commands.options import (
-    LOOK,
-    OF_RUN,
-    command,
-    ended,
-    folder_of,
-    kept_in,
-    notice,
-    option,
-    real,
-    report,
-    robot_of,
-    robot_options,
-    scenario_of,
-    scenario_options,
-    set_option,
-    setting_option,
-    settings_of,
-    whole,
-)
+from sim.commands import options as cli
 from sim.endings import keeping
 from sim.errors import ExitCode, RenderError, UsageError, one_line
 from sim.progress import bar
@@ -43,18 +24,14 @@ if TYPE_CHECKING:
 
 DEFAULT = 0.25  # of the path, the tolerance
 UNITS = ("radians", "degrees", "counts", "microseconds")
-VIDEO = option(
-    "--video",
-    action=argparse.BooleanOptionalAction,
-    help="film the walk; by default if this machine can draw",
-)
+VIDEO = cli.switch("--video", "film the walk; by default if this machine can draw")
 
 
 def _share(text: str) -> float:
-    return math.inf if text == "none" else real("a share", 0.05)(text)
+    return math.inf if text == "none" else cli.real("a share", 0.05)(text)
 
 
-TOLERANCE = option(
+TOLERANCE = cli.option(
     "--tolerance",
     type=_share,
     default=DEFAULT,
@@ -64,48 +41,51 @@ TOLERANCE = option(
 )
 
 
-@command(
+@cli.command(
     "plan a scenario, walk it in MuJoCo, compare the two and film it",
-    *scenario_options(),
-    option(
+    *cli.scenario_options(),
+    cli.option(
         "--out", metavar="DIR", help="run folder to make; otherwise runs/SCENARIO-NNN"
     ),
     VIDEO,
-    *(setting_option(name, whole(0) if name == "draw" else int) for name in OF_RUN),
+    *(
+        cli.setting_option(name, cli.whole(0) if name == "draw" else int)
+        for name in cli.OF_RUN
+    ),
     TOLERANCE,
-    LOOK,
-    option(
+    cli.LOOK,
+    cli.option(
         "--tries",
-        type=whole(1),
+        type=cli.whole(1),
         metavar="N",
         help="walk N draws of imperfections, of hobby if none are named",
     ),
 )
 def run(options: argparse.Namespace) -> ExitCode:
     """Walk the scenario and print how it went."""
-    scenario = scenario_of(options)
+    scenario = cli.scenario_of(options)
 
     from sim.folder import claim
     from sim.scenarios.predictions import PREDICTIONS, who_ignores
     from sim.scenarios.scenario import drawn
     from sim.world.changes import changes
 
-    robot = robot_of(options, scenario.robot)  # the slow part comes after refusals
+    robot = cli.robot_of(options, scenario.robot)  # the slow part comes after refusals
     look = options.look if _can_film(options.video) else None
     if options.tries is not None and scenario.imperfect is None:
         scenario = replace(scenario, imperfect="hobby")
-    folder = claim(folder_of(options), scenario.name)
+    folder = claim(cli.folder_of(options), scenario.name)
     as_drawn = drawn(scenario, robot)
     ignored = {key: each.ignored(as_drawn) for key, each in PREDICTIONS.items()}
     if words := who_ignores(ignored):
-        notice(f"predictions ignore {words}")
+        cli.notice(f"predictions ignore {words}")
     if options.tries is not None:
         from sim.commands.tries import tries_of
 
         return tries_of(scenario, robot, folder, options)
     if robot.opened.files:
         for change in changes(robot, as_drawn):
-            notice(f"{change}: {robot.path}")
+            cli.notice(f"{change}: {robot.path}")
     return _walk(scenario, robot, folder, look, options)
 
 
@@ -125,7 +105,7 @@ def _walk(
         if (folder.path / "summary.json").exists():
             on = "show" if look is None else "film"
             return f"the walk is complete, go on: stratawalk {on} {folder.path}"
-        return kept_in(folder.path, options.out)
+        return cli.kept_in(folder.path, options.out)
 
     try:
         with bar(quiet=options.json) as progress, keeping(kept):
@@ -135,7 +115,7 @@ def _walk(
                 robot=robot,
                 look=look,
                 progress=progress,
-                warn=partial(notice, kind="warning"),
+                warn=partial(cli.notice, kind="warning"),
                 log=log,
             )
     finally:
@@ -144,7 +124,7 @@ def _walk(
     for what, name in (("report", "report.html"), ("film", "video.mp4")):
         if (folder.path / name).exists():
             lines.append(f"{what:13}{folder.path / name}")
-    report(options, summary.to_json(), *lines)
+    cli.report(options, summary.to_json(), *lines)
     return judged(summary, options.tolerance, f"see {folder.path}")
 
 
@@ -159,38 +139,40 @@ def _can_film(wanted: bool | None) -> bool:
     except RenderError as error:
         if wanted:
             raise
-        notice(f"no film: {one_line(error)}", "warning")
+        cli.notice(f"no film: {one_line(error)}", "warning")
         return False
     return True
 
 
-@command(
+@cli.command(
     "play joint motion from elsewhere in MuJoCo: a gait, or the log of a robot",
-    *robot_options("a shipped robot, or an MJCF file", "NAME|FILE.xml"),
-    option(
+    *cli.robot_options("a shipped robot, or an MJCF file", "NAME|FILE.xml"),
+    cli.option(
         "files",
         metavar="FILE",
         nargs="+",
         help="CSV of time [s] and a column a joint; several are trials of one motion",
     ),
-    option(
+    cli.option(
         "--units",
         choices=UNITS,
         default=UNITS[0],
         help="what the columns of joints are in; counts and microseconds are those of "
         "the card's servo table",
     ),
-    option(
+    cli.option(
         "--repeat",
-        type=whole(1),
+        type=cli.whole(1),
         default=1,
         metavar="N",
         help="play a period that ends as it begins so many times",
     ),
-    option("--out", metavar="DIR", help="run folder to make; otherwise runs/FILE-NNN"),
+    cli.option(
+        "--out", metavar="DIR", help="run folder to make; otherwise runs/FILE-NNN"
+    ),
     VIDEO,
-    LOOK,
-    set_option("replace a setting, as in run"),
+    cli.LOOK,
+    cli.set_option("replace a setting, as in run"),
     TOLERANCE,
 )
 def play(options: argparse.Namespace) -> ExitCode:
@@ -200,9 +182,9 @@ def play(options: argparse.Namespace) -> ExitCode:
     from sim.logs.log import read_log
     from sim.logs.playing import scenario_of
 
-    robot = robot_of(options, options.robot)
+    robot = cli.robot_of(options, options.robot)
     files = [Path(name) for name in options.files]
-    scenario = scenario_of(robot, files[0], settings_of(options))
+    scenario = scenario_of(robot, files[0], cli.settings_of(options))
     angles: Reader | str = options.units
     if options.units in UNITS[2:]:
         angles = _by_servo_table(robot, scenario, pulses=options.units == UNITS[3])
@@ -213,9 +195,9 @@ def play(options: argparse.Namespace) -> ExitCode:
     except ValueError as error:
         raise UsageError.at(str(files[0]), error) from error
     look = options.look if _can_film(options.video) else None
-    folder = claim(folder_of(options), scenario.name)
+    folder = claim(cli.folder_of(options), scenario.name)
     for line in log.done:
-        notice(line)
+        cli.notice(line)
     return _walk(scenario, robot, folder, look, options, log)
 
 
@@ -245,9 +227,9 @@ def judged(
     where = f"{summary.scenario} on {summary.robot}"
     if summary.verdict in FAILURES:
         how = f"the walk {summary.verdict_text}"
-        return ended(ExitCode.SIMULATION, how, where, remedy)
+        return cli.ended(ExitCode.SIMULATION, how, where, remedy)
     for name, weighed in {"the walk": summary.weighed, **(played or {})}.items():
         if weighed and (off := weighed.beyond(tolerance)):
             how = f"{name} came out {off}, beyond --tolerance {tolerance:g}"
-            return ended(ExitCode.TOLERANCE, how, where, remedy)
+            return cli.ended(ExitCode.TOLERANCE, how, where, remedy)
     return ExitCode.OK
