@@ -146,7 +146,7 @@ def viewer(folder: Path, rng: random.Random) -> str:
 
     Commands pass so that they would pass again, other bytes are a `ValueError`.
     """
-    commands = import_module("sim.viewing.netimgui")
+    commands = import_module("sim.viewing.access")
     said = b"".join(_said(rng, kind) for kind in (0, *rng.choices((0, 2, 5), k=3)))
     said = flipped(said, rng) if rng.random() < 0.8 else said
     (folder / "said").write_bytes(said)

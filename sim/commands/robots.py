@@ -155,8 +155,7 @@ def fields(setup: Setup, progress: Progress) -> list[dict[str, Any]]:
     """
     import numpy as np
 
-    from sim.experiments.identification import identify
-    from sim.experiments.predictions import MODELS, twist_model
+    from sim.experiments.identification import MODELS, identify, twist_model
 
     identified = identify(setup, progress)
     others = {name: twist_model(setup, name) for name in MODELS if name != "identified"}

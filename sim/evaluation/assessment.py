@@ -44,8 +44,7 @@ from sim.evaluation.phases import (
 from sim.evaluation.quantities import describe
 from sim.evaluation.summary import Accomplished, Departure, Predicted, Summary, Weighed
 from sim.evaluation.verdict import Verdict, judge
-from sim.experiments.identification import creep_floor
-from sim.experiments.predictions import follows_commands, twist_model
+from sim.experiments.identification import creep_floor, follows_commands, twist_model
 from sim.logs.alignment import Measured
 from sim.motion.prediction import Prediction
 from sim.preparation.shared import Cache, Shared, no_cache, world_cache

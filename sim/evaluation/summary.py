@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import MISSING, dataclass, field, fields
+from dataclasses import MISSING, asdict, dataclass, field, fields
 from typing import Any, Self
 
 from sim.scenarios.predictions import PREDICTIONS, who_ignores
@@ -29,7 +29,7 @@ class Numbers(Mapping[str, Any]):
 
     def to_json(self) -> dict[str, object]:
         """The fields as plain values, in the order of the file."""
-        return _plain(self)
+        return asdict(self)  # type: ignore[call-overload]
 
     @classmethod
     def read(cls, table: Mapping[str, Any]) -> Self:
@@ -41,13 +41,6 @@ class Numbers(Mapping[str, Any]):
         required = {i.name for i in items if i.default is i.default_factory is MISSING}
         names = (i.name for i in items if i.name in table or i.name in required)
         return cls(**{name: table[name] for name in names})
-
-
-def _plain(table: Mapping[str, Any]) -> dict[str, object]:
-    return {
-        key: _plain(value) if isinstance(value, Mapping) else value
-        for key, value in table.items()
-    }
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

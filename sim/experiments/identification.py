@@ -1,4 +1,4 @@
-"""Short experiments: a robot's fields are identified, and the creep of standing feet.
+"""Short experiments: fields are identified, and the creep of feet; predictions by name.
 
 To identify a field, each experiment brings the legs through the air to one end of the
 field's swing, steps onto its stratum, swings to the other end, and reads the pose of
@@ -10,12 +10,20 @@ What it misses of the stroke is kept, and tells on which walks it can be trusted
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.polynomial import Polynomial
 
-from models import IdentifiedTwists, MeasurementError
+from models import (
+    IdealTwists,
+    IdentifiedTwists,
+    MeasurementError,
+    QuasiStaticTwists,
+    TwistModel,
+)
 from models.contact import UPRIGHT
 from models.motion import FailedField, MeasuredField
 from planner import Array, Flow
@@ -24,7 +32,7 @@ from sim.motion.poses import relative, tilt
 from sim.motion.schedule import Scheduler
 from sim.physics.recording import Moments, recorded
 from sim.preparation.scheduling import check_effort
-from sim.preparation.setup import Setup
+from sim.preparation.setup import Setup, prepare
 from sim.progress import Progress, silent
 
 SPAN = 0.25  # [rad] either side; loaded sweeps of the shipped walks stay within
@@ -35,6 +43,7 @@ ACCELERATION = 5.0  # [rad/s^2], at least
 HOLD = 0.5  # [s], at most; a robot has settled by then
 TOLERATED = 0.2  # of a stroke's motion; up to 0.12 measured on shipped robots
 LONGEST_STAND = 10.0  # [s], that creep is measured for
+STATIC = 3  # feet at most whose loads follow from the weight alone
 FINE = 200  # parts of the way in which predictions are summed
 
 
@@ -142,12 +151,11 @@ def _check(setup: Setup, stratum: str, way: Moments) -> None:
 def whole_range(setup: Setup, direction: tuple[float, ...]) -> float:
     """How far to swing either way, within the range of every group that moves."""
     ranges = [setup.robot.swing_range[group] for group in setup.robot.groups]
-    reach = [
+    return min(
         min(-low, high) / abs(share)
         for (low, high), share in zip(ranges, direction, strict=True)
         if share
-    ]
-    return min(reach)
+    )
 
 
 def _approach(setup: Setup, direction: tuple[float, ...], amount: float) -> list[Flow]:
@@ -257,3 +265,34 @@ def creep_floor(setup: Setup, duration: float) -> float:
     )
     rate = (after - before) / (last * setup.limits.timestep)
     return after - begin + rate * (duration - stand)
+
+
+def _identified(setup: Setup) -> TwistModel:
+    """Measured without obstacles, which would disturb the experiments."""
+    if not setup.scenario.obstacles:
+        return identify(setup)
+    return identify(prepare(replace(setup.scenario, obstacles=()), setup.robot))
+
+
+MODELS: Mapping[str, Callable[[Setup], TwistModel]] = {
+    "ideal": lambda setup: IdealTwists(setup.equations),
+    "quasi_static": lambda setup: QuasiStaticTwists(
+        setup.kinematics, setup.ground, setup.limits.swing_speed
+    ),
+    "identified": _identified,
+}
+
+
+@lru_cache(maxsize=len(MODELS))
+def twist_model(setup: Setup, name: str) -> TwistModel:
+    """A prediction's twist model, made when first asked for."""
+    return MODELS[name](setup)
+
+
+def follows_commands(setup: Setup, name: str, strata: Collection[str]) -> bool:
+    """Whether a prediction is the same for all frictions, servos and floors.
+
+    The quasi-static one is where no more than three feet stand at a time.
+    """
+    feet = max((setup.robot.planted(on).sum() for on in strata), default=0)
+    return name == "ideal" or (name == "quasi_static" and feet <= STATIC)

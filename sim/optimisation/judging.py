@@ -28,7 +28,7 @@ from planner.optimisation import (
     Tolerance,
     cycle,
 )
-from sim.experiments.predictions import twist_model
+from sim.experiments.identification import twist_model
 from sim.motion.poses import PathDeviation, path_deviation
 from sim.motion.prediction import Predictor, inspections
 from sim.motion.schedule import Schedule

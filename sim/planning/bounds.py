@@ -25,7 +25,7 @@ from planner import (
 )
 from planner.planning import Slack, grid
 from planner.support import point, tick
-from sim.experiments.predictions import twist_model
+from sim.experiments.identification import twist_model
 from sim.motion.prediction import Predictor, inspections, stability_margin
 from sim.motion.schedule import Schedule
 from sim.obstacles.clearance import Surroundings, surroundings

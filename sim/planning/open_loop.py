@@ -32,7 +32,7 @@ from planner import (
 from planner.execution import Coordinates
 from planner.planning import Step, grid, plan_step, require_segments
 from planner.support import tick
-from sim.experiments.predictions import twist_model
+from sim.experiments.identification import twist_model
 from sim.motion.poses import compose, nearest_turn, relative
 from sim.preparation.setup import Setup
 

@@ -18,7 +18,7 @@ from planner import Array, Flow, Plan
 from planner.planning import Step
 from sim.drive.drive import Drive
 from sim.drive.rehearsal import Beforehand
-from sim.experiments.predictions import twist_model
+from sim.experiments.identification import twist_model
 from sim.feedback.filter import Feedback
 from sim.feedback.sensing import Sensor
 from sim.feedback.stops import Followed, Stop, stop_after

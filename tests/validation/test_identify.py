@@ -13,8 +13,7 @@ from models.errors import MeasurementError
 from models.motion.twists import IdentifiedTwists, MeasuredField
 from sim.commands.robots import fields
 from sim.evaluation.quantities import describe
-from sim.experiments.identification import confirmed, identify, measure
-from sim.experiments.predictions import twist_model
+from sim.experiments.identification import confirmed, identify, measure, twist_model
 from sim.folder import RunFolder
 from sim.planning.open_loop import plan_open_loop
 from sim.preparation.setup import prepare

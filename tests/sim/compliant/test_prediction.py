@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sim.experiments.predictions import twist_model
+from sim.experiments.identification import twist_model
 from sim.motion.prediction import Predictor
 from sim.scenarios.file import load_scenario
 from sim.simulation import simulate

@@ -10,7 +10,7 @@ from models.contact.sliding import Ground
 from models.motion.robot_equations import equations
 from models.motion.twists import IdealTwists, QuasiStaticTwists
 from planner.systems.flows import Flow
-from sim.experiments.predictions import twist_model
+from sim.experiments.identification import twist_model
 from sim.motion import prediction
 from sim.motion.prediction import Predictor, stability_margin
 from sim.motion.schedule import LegState, MotionLimits, Scheduler

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from sim.experiments.predictions import twist_model
+from sim.experiments.identification import twist_model
 from sim.optimisation import judging
 from sim.optimisation.judging import real_equations
 from sim.preparation.setup import prepare

@@ -9,7 +9,7 @@ from models.motion.real_contacts import contact_fields
 from planner.errors import ConvergenceError, PlannerError
 from planner.planning.rollouts import rollout
 from planner.systems.flows import Flow
-from sim.experiments.predictions import twist_model
+from sim.experiments.identification import twist_model
 from sim.motion.poses import compose, relative
 from sim.planning.open_loop import (
     plan_open_loop,

@@ -10,7 +10,7 @@ from planner import Execution, plan, rollout
 from planner.errors import BoundError
 from planner.planning import subdivision as subdivide
 from sim.errors import ExitCode, exit_code
-from sim.experiments.predictions import twist_model
+from sim.experiments.identification import twist_model
 from sim.motion.prediction import Predictor
 from sim.obstacles.clearance import surroundings
 from sim.planning.bounds import _reach, foresee, within_bounds

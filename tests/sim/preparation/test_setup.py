@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from planner.systems.flows import Flow
-from sim.experiments.predictions import twist_model
+from sim.experiments.identification import twist_model
 from sim.motion.schedule import Scheduler
 from sim.preparation.scheduling import schedule_flows
 from sim.preparation.setup import prepare

@@ -6,7 +6,7 @@ import struct
 import numpy as np
 import pytest
 
-from sim.viewing.netimgui import CHARACTERS, CLIPBOARD, INPUT, VERSION, Commands
+from sim.viewing.access import CHARACTERS, CLIPBOARD, INPUT, VERSION, Commands
 
 FLOATS = (16, 20, 540, 544, *range(584, 616, 4))  # wheels, scale, rate, sticks
 
@@ -68,7 +68,7 @@ def test_what_no_browser_sends_is_refused(messages):
 def test_no_more_frames_are_asked_for_than_the_browser_draws(monkeypatch):
     """Others would queue up; two quick pictures after a slow one are no pace yet."""
     moments = iter(np.cumsum([0.0, 0.01, 0.8, 0.8, 0.1, 0.1, 0.1, 0.1, 0.01]))
-    monkeypatch.setattr("sim.viewing.netimgui.time.monotonic", moments.__next__)
+    monkeypatch.setattr("sim.viewing.access.time.monotonic", moments.__next__)
     _, *inputs = taken(version(), *[pointing()] * 8)
     rates = [struct.unpack_from("<f", command, 544)[0] for command in inputs]
     expected = [60, 1 / 0.8, 1 / 0.8, 1 / 0.4, 1 / 0.2, 10, 10, 20]
