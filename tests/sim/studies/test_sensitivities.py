@@ -84,7 +84,7 @@ def test_a_finished_run_is_asked_for_some_changes_at_some_times(walked):
     assert [each.what for each in found.changes] == names
     assert found.pose.shape == found.lean.shape == (2, 2, 3)
     assert np.abs(found.unchanged.pose[-1] - run.achieved[-1]).max() < 1e-3
-    assert np.abs(found.pose[0, 0]).max() < 1e-12  # before it walks
+    assert np.abs(found.pose[1, 0]).max() < 1e-12  # friction, before it walks
     assert (found.pose[:, -1] != 0).all()
 
 
