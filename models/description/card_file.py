@@ -62,6 +62,7 @@ def parse_card(text: str, source: str) -> Card:
 
 def _card(table: Table) -> Card:
     gait = Table(table.get("gait"), "gait", KEYS["gait"])
+    board = Table(table.table("board").values, "board", KEYS["board"])
     return Card(
         lift_angle=table.number("lift_angle"),
         legs={_leg_number(name): _leg(t) for name, t in _each(table, "leg")},
@@ -84,9 +85,7 @@ def _card(table: Table) -> Card:
             for joint, value in table.table("servo").values.items()
             if isinstance(value, dict)
         },
-        board_clock=Table(table.table("board").values, "board", KEYS["board"]).number(
-            "clock", BOARD_CLOCK
-        ),
+        board_clock=board.number("clock", BOARD_CLOCK),
         start=table.gains("start"),
         learnt=_learnt(table) if "learnt" in table else (),
         fitted=table.table("fitted").values,

@@ -92,13 +92,13 @@ def predicted_along(
     given: Sequence[Sequence[Commanded]],
 ) -> Prediction:
     """A prediction over all stretches, from their commands at the moments recorded."""
-    if name == COMPLIANT.key or walk.setup.motion is not None:
-        every = [block for stretch in given for block in stretch]
-        contact = np.concatenate([block.contact for block in every])
-        if name == COMPLIANT.key or walk.setup.motion is None:
-            return _compliant(walk, contact)
+    every = [block for stretch in given for block in stretch]
+    contact = np.concatenate([block.contact for block in every])
+    if name == COMPLIANT.key:
+        return _compliant(walk, contact)
+    if (motion := walk.setup.motion) is not None:
         margin = np.concatenate([block.margin for block in every])
-        return rigid(walk.setup.motion, walk.setup.ground, contact, margin, _time(walk))
+        return rigid(motion, walk.setup.ground, contact, margin, _time(walk))
     twists, kinematics = model(), walk.setup.kinematics
     slipped = np.zeros(len(walk.setup.robot.legs))
     pieces: list[tuple[Array, Array, Array, Array]] = []
