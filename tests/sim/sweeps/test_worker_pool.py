@@ -15,7 +15,7 @@ from sim.sweeps.folder import Shard
 from sim.sweeps.identity import software
 from sim.sweeps.ledger import read_ledger
 from sim.sweeps.sweeping import points_of
-from sim.sweeps.worker_pool import SHARED, open_pool
+from sim.sweeps.worker_pool import ALIKE, open_pool
 from sim.versions import PACKAGES
 from tests.commands import told
 from tests.sweeps import (
@@ -84,7 +84,7 @@ def test_a_point_that_kills_its_worker_harms_no_other(tmp_path):
 
 def test_solvers_are_part_of_what_a_point_was_made_with():
     assert {"casadi", "ompl"} < {*PACKAGES} < {*software()}
-    assert {"casadi", "ompl"} < {*SHARED}
+    assert {"casadi", "ompl"} < {*ALIKE}
 
 
 def test_a_cluster_gives_the_bytes_that_one_machine_gives(tmp_path):
