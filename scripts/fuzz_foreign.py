@@ -80,13 +80,13 @@ def adopted(folder: Path, rng: random.Random, urdf: bool) -> list[str]:
 
 def mesh(folder: Path, rng: random.Random) -> list[str]:
     """A mesh of a robot to adopt, as text or in binary."""
-    kind = rng.choice(("obj", "stl", "msh"))
+    kind = rng.choice(("obj", "stl"))
     path = ADOPTEES[0].write(folder)
     path.write_text(path.read_text().replace("<worldbody>", SHAPE.format(kind), 1))
     (folder / f"part.{kind}").write_bytes(
         mutated(OBJ, rng).encode(errors="surrogateescape")
         if kind == "obj"
-        else flipped(_stl() if kind == "stl" else _msh(), rng)
+        else flipped(_stl(), rng)
     )
     return ["adopt", path.name]
 
@@ -272,10 +272,3 @@ def _stl() -> bytes:
     corners = 0.1 * np.vstack([np.zeros(3), np.eye(3)])[faces]
     parts = [np.r_[np.zeros(3), c.ravel()].astype("<f4").tobytes() for c in corners]
     return bytes(80) + np.uint32(4).tobytes() + b"".join(p + b"\0\0" for p in parts)
-
-
-def _msh() -> bytes:
-    """A tetrahedron as MuJoCo's own files have it."""
-    corners = (0.1 * np.vstack([np.zeros(3), np.eye(3)])).astype("<f4")
-    faces = np.array([(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)], "<i4")
-    return np.array([4, 0, 0, 4], "<i4").tobytes() + corners.tobytes() + faces.tobytes()

@@ -215,7 +215,7 @@ def study(options: argparse.Namespace) -> None:
 def design(options: argparse.Namespace) -> None:
     """Check every design, walk those that go everywhere, and print the table."""
     from sim.studies.designing import designs, tried
-    from sim.sweeps.identity import software
+    from sim.sweeps.ledger import software
     from sim.sweeps.table import write_table
 
     robot = cli.robot_of(options, options.robot)

@@ -24,18 +24,10 @@ import mujoco
 
 from sim.errors import FilesError, RenderError, UsageError
 from sim.folder import blamed_on, whole
-from sim.pictures import gl
+from sim.pictures import file, gl
 from sim.pictures.camera import Camera, camera, view_of
 from sim.pictures.captions import Captions
 from sim.pictures.clock import WHOLE, Clock, Stretch, clock, rows_of
-from sim.pictures.file import (
-    FULL,
-    animate,
-    check_encoder,
-    count_pictures,
-    encoding,
-    join,
-)
 from sim.pictures.marks import grid, marks
 from sim.pictures.offscreen import LOOKS, OffscreenRenderer
 from sim.runs.run import read_run
@@ -71,7 +63,7 @@ class Piece:
 
 def check() -> str:
     """The OpenGL driver that can draw films, or RenderError, in half a second."""
-    check_encoder()
+    file.check_encoder()
     return gl.probe()
 
 
@@ -124,12 +116,12 @@ def film_folder(
         draw(pieces, driver, report)
         small = path.suffix == ANIMATED
         film = scratch / NAME if small else part
-        join([piece.path for piece in pieces], film)
-        if (found := count_pictures(film)) != pictures:
+        file.join([piece.path for piece in pieces], film)
+        if (found := file.count_pictures(film)) != pictures:
             what = f"film cut short, {found} of {pictures} pictures"
             raise RenderError(what, str(path), KEPT)
         if small:
-            animate(film, part)
+            file.animate(film, part)
     return path
 
 
@@ -197,7 +189,7 @@ def _check(process: subprocess.Popen[bytes], complaints: IO[bytes], where: str) 
         return
     complaints.seek(0)
     message = complaints.read().decode(errors="replace")
-    if FULL in message or shutil.disk_usage(where).free < SPARE:
+    if file.FULL in message or shutil.disk_usage(where).free < SPARE:
         what, remedy = "disk full while filming", f"free some space; {KEPT}"
         raise FilesError(what, where, remedy)
     last = (message.strip().splitlines() or ["no word"])[-1]
@@ -220,7 +212,7 @@ def _draw(piece: Piece) -> None:
     captions = Captions(walk, film_clock, view)
     drawn = (grid(view, walk.reach), *marks(walk, film_clock, frames))
     renderer = OffscreenRenderer(walk, drawn, view, LOOKS[piece.look])
-    with closing(renderer), encoding(piece.path) as append:
+    with closing(renderer), file.encoding(piece.path) as append:
         for frame in frames:
             if frame == frames[0] or not is_held(film_clock, view, frame):
                 picture = captions.card(frame)

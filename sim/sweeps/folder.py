@@ -22,7 +22,7 @@ from planner.support import read_file
 from sim.errors import FilesError, UsageError
 from sim.folder import RunFolder, ensure_folder
 from sim.sweeps.file import Sweep, left_out
-from sim.sweeps.identity import differences, software
+from sim.sweeps.ledger import differences, software
 
 UNREADABLE = (ValueError, KeyError, TypeError, AttributeError, RecursionError)
 SIDE_BY_SIDE = " with "  # between keys that vary together

@@ -21,8 +21,7 @@ from sim.run_folder import run
 from sim.scenarios.file import scenario_from, to_table
 from sim.sweeps.file import Sweep
 from sim.sweeps.folder import About, Shard, SweepFolder, run_folder, sole_owner
-from sim.sweeps.identity import digest
-from sim.sweeps.ledger import OK, Outcome, opened, read_ledger
+from sim.sweeps.ledger import OK, Outcome, digest, opened, read_ledger
 from sim.sweeps.table import Row, write_table
 from sim.sweeps.worker_pool import Task, open_pool
 

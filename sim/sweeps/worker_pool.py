@@ -29,8 +29,7 @@ from sim.errors import SweepError, UsageError, one_line
 from sim.preparation.shared import Shared
 from sim.scenarios.file import scenario_from
 from sim.simulation import simulate
-from sim.sweeps.identity import differences, software
-from sim.sweeps.ledger import OK, Outcome
+from sim.sweeps.ledger import OK, Outcome, differences, software
 from sim.versions import PACKAGES
 
 NO_WORKER_TIMEOUT = 120.0  # [s] without any worker, before that is an error

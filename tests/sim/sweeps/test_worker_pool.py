@@ -12,8 +12,7 @@ import pytest
 from sim.cli import main
 from sim.sweeps.file import read_sweep
 from sim.sweeps.folder import Shard
-from sim.sweeps.identity import software
-from sim.sweeps.ledger import read_ledger
+from sim.sweeps.ledger import read_ledger, software
 from sim.sweeps.sweeping import points_of
 from sim.sweeps.worker_pool import ALIKE, open_pool
 from sim.versions import PACKAGES

@@ -1,6 +1,6 @@
 """A point is its settings and everything that its robot is made of."""
 
-from sim.sweeps.identity import digest
+from sim.sweeps.ledger import digest
 
 
 def test_a_point_is_another_one_if_a_file_that_its_model_includes_changes(
