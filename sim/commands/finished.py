@@ -76,9 +76,8 @@ def _open(address: str, wanted: bool | None) -> None:
     cli.option(
         "--out",
         metavar="FILE",
-        help="film to make in .mp4, or small animated picture in .webp; otherwise "
-        "video.mp4 of the run, which it replaces, or for a stretch of time a name "
-        "beside it",
+        help="film in .mp4 or small animated picture in .webp; by default video.mp4 of "
+        "the run, anew, or for a stretch of time a name beside it",
     ),
 )
 def film(options: argparse.Namespace) -> None:

@@ -31,11 +31,7 @@ MILLI, MILLI_UNITS = 1e3, {"rad": "mrad", "s": "ms"}  # in tables
         help="the robot, if there are logs in files, and logs or folders of runs",
     ),
     cli.option("--out", metavar="CARD.toml", help="card to write, with what was found"),
-    cli.switch(
-        "--walking",
-        "whether the robot walks, or its feet hang in the air, as they do in logs "
-        "without the body's pose",
-    ),
+    cli.switch("--walking", "whether its feet carry it; by default if logs have poses"),
     cli.option(
         "--units",
         choices=("radians", "degrees"),

@@ -48,21 +48,13 @@ SETTLED = dict.fromkeys(
 
 def _for_systems(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("for systems")
-    for place in ("start", "goal"):
-        about = f"coordinates at the {place}"
-        group.add_argument(f"--{place}", metavar="NAME=VALUE", nargs="+", help=about)
-    group.add_argument(
-        "--elements",
-        metavar="ELEMENT",
-        nargs="+",
-        help="fields and brackets to steer with, as in g1 g2 [g1,g2]",
-    )
-    group.add_argument(
-        "--free",
-        metavar="NAME",
-        nargs="+",
-        help="coordinates that an optimised plan need not keep near the path",
-    )
+    for name, metavar, about in (
+        ("--start", "NAME=VALUE", "coordinates at the start"),
+        ("--goal", "NAME=VALUE", "coordinates at the goal"),
+        ("--elements", "ELEMENT", "fields and brackets to steer by: g1 g2 [g1,g2]"),
+        ("--free", "NAME", "coordinates that need not keep near an optimised path"),
+    ):
+        group.add_argument(name, metavar=metavar, nargs="+", help=about)
     group.add_argument("--save", metavar="FILE.json", help="keep the plan")
 
 

@@ -161,8 +161,7 @@ def _print_result(options: argparse.Namespace, result: Result, table: Path) -> E
     cli.option(
         "--out",
         metavar="DIR|FILE.html",
-        help="folder for the maps, or a page with maps, worst and best walks; `maps` "
-        "beside the table if not given",
+        help="folder of maps, or page with worst and best walks; or `maps` beside it",
     ),
     extra="sweep",
 )

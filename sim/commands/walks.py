@@ -157,8 +157,7 @@ def _can_film(wanted: bool | None) -> bool:
         "--units",
         choices=UNITS,
         default=UNITS[0],
-        help="what the columns of joints are in; counts and microseconds are those of "
-        "the card's servo table",
+        help="of joints' columns; counts and microseconds by the card's servo table",
     ),
     cli.option(
         "--repeat",
