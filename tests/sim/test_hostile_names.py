@@ -31,7 +31,7 @@ from models.description.robot import FOLDER
 from sim.cli import main
 from sim.errors import UsageError, one_line
 from sim.evaluation import flows
-from sim.export import files
+from sim.export import source
 from sim.export.servo_commands import ServoCommands
 from sim.export.servo_table import servo_table
 from sim.reports import comparison, page
@@ -103,7 +103,7 @@ def exported(form, joints):
     commands = commands_of(joints)
     given = {name: JointServo(channel=i) for i, name in enumerate(joints)}
     card = load("hexapod").card
-    table = servo_table(card, joints, servo_of("mg90"), files.PWM[form], given)
+    table = servo_table(card, joints, servo_of("mg90"), source.PWM[form], given)
     return commands, table
 
 
@@ -112,24 +112,24 @@ def test_pandas_reads_every_name_as_it_is(form):
     for joints in batched(PLAIN, 12):
         commands, table = exported(form, joints)
         if form == "csv":
-            text = files.write_angles(commands)
-            assert files.read_angles(text).joints == tuple(joints)
+            text = source.write_angles(commands)
+            assert source.read_angles(text).joints == tuple(joints)
         else:
-            text = files.write_ticks(commands, table)
-            assert files.read_ticks(text, table).joints == tuple(joints)
+            text = source.write_ticks(commands, table)
+            assert source.read_ticks(text, table).joints == tuple(joints)
         assert list(pd.read_csv(io.StringIO(text)).columns) == ["time", *joints]
 
 
 def test_a_joint_called_as_the_column_of_moments_is_refused():
     with pytest.raises(UsageError, match="a joint is called 'time'"):
-        files.write_angles(commands_of(["time", "b"]))
+        source.write_angles(commands_of(["time", "b"]))
 
 
-@pytest.mark.parametrize("loader", [yaml.SafeLoader, files.LOADER])
+@pytest.mark.parametrize("loader", [yaml.SafeLoader, source.LOADER])
 def test_yaml_gives_every_name_as_it_is(loader):
     for joints in batched(PLAIN, 50):
-        text = files.write_trajectory(commands_of(joints))
-        assert files.read_trajectory(text).joints == joints
+        text = source.write_trajectory(commands_of(joints))
+        assert source.read_trajectory(text).joints == joints
         assert yaml.load(text, Loader=loader)["joint_names"] == list(joints)
 
 
@@ -140,10 +140,10 @@ def test_a_c_compiler_takes_every_header(tmp_path):
     for joints in batched(NAMES, 40):  # the refused ones, too
         commands, table = exported("header", joints)
         title = f"{joints[0]} on {joints[1 % len(joints)]}"
-        text = files.write_header(
+        text = source.write_header(
             commands, table, title=title, name=joints[0], file=joints[-1]
         )
-        assert files.read_header(text, table).angles.shape == commands.angles.shape
+        assert source.read_header(text, table).angles.shape == commands.angles.shape
         header.write_text(text)
         for language in ("-std=c99", "-std=gnu17"):
             done = subprocess.run(
