@@ -15,6 +15,7 @@ import numpy as np
 
 from models import Robot
 from models.description import parse_toml
+from planner import Array
 from sim.errors import SimulationError, UsageError, one_line
 from sim.evaluation import flows
 from sim.evaluation.assessment import Evaluation, evaluate
@@ -249,7 +250,12 @@ def run_of(
 ) -> Run:
     """The run of a walk and its evaluation; `settings` is the text of scenario.toml."""
     walk, setup = evaluation.walk, evaluation.walk.setup
-    clock = np.arange(walk.steps) * setup.limits.timestep
+
+    def commands(name: str) -> Array:
+        if name == "time":
+            return np.arange(walk.steps) * setup.limits.timestep
+        return np.concatenate(list(walk.commands()))
+
     return Run(
         folder=Path() if folder is None else folder.resolve(),
         settings=parse_toml(dumps(setup.scenario) if settings is None else settings),
@@ -257,10 +263,7 @@ def run_of(
         summary=summary,
         phases=carried_out(walk),
         arrays=trajectory(evaluation),
-        commands=Arrays(
-            ("time", "ctrl"),
-            lambda n: clock if n == "time" else np.concatenate([*walk.commands()]),
-        ),
+        commands=Arrays(("time", "ctrl"), commands),
         stops=followed.stops if (followed := walk.followed) else (),
     )
 

@@ -37,9 +37,9 @@ def scenarios(options: argparse.Namespace) -> None:
         one = load_scenario(options.scenario)
         cli.report(options, to_table(one), dumps(one).rstrip())
         return
-    all = [load_scenario(name) for name in shipped_scenarios()]
-    lines = (f"{s.name:12}{s.segments:4} segments  {s.description}" for s in all)
-    cli.report(options, [to_table(scenario) for scenario in all], *lines)
+    every = [load_scenario(name) for name in shipped_scenarios()]
+    lines = (f"{s.name:12}{s.segments:4} segments  {s.description}" for s in every)
+    cli.report(options, [to_table(one) for one in every], *lines)
 
 
 @cli.command(
