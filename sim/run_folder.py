@@ -200,8 +200,7 @@ def film(
         The film's path.
 
     Raises:
-        UsageError: If there is such a file already, it is no `.mp4`, or there is no
-            such look.
+        UsageError: If the file exists, is no `.mp4`, or there is no such look.
         RenderError: If pictures cannot be drawn or encoded.
         FilesError: If the film cannot be written.
 
@@ -252,9 +251,8 @@ def run_of(
     walk, setup = evaluation.walk, evaluation.walk.setup
 
     def commands(name: str) -> Array:
-        if name == "time":
-            return np.arange(walk.steps) * setup.limits.timestep
-        return np.concatenate(list(walk.commands()))
+        clock = np.arange(walk.steps) * setup.limits.timestep
+        return clock if name == "time" else np.concatenate(list(walk.commands()))
 
     return Run(
         folder=Path() if folder is None else folder.resolve(),
