@@ -1,10 +1,14 @@
-"""Sweeps: throughput against a bare batch, and workers against one another."""
+"""Sweeps: throughput against a bare batch, workers against one another, memory."""
 
 from __future__ import annotations
 
+import subprocess
+import sys
+import tempfile
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import cycle
+from pathlib import Path
 
 import numpy as np
 from mujoco import batch
@@ -16,19 +20,27 @@ from sim.preparation.shared import Shared
 from sim.scenarios.file import load_scenario, to_table
 from sim.scenarios.scenario import Scenario
 from sim.simulation import simulate
-from sim.sweeps.worker_pool import Task, open_pool
+from sim.sweeps.file import Sweep
+from sim.sweeps.folder import Shard, SweepFolder
+from sim.sweeps.ledger import OK, Outcome, opened
+from sim.sweeps.sweeping import carry_on, points_of
+from sim.sweeps.worker_pool import Task, numbers, open_pool
 
 FRICTIONS = (0.5, 0.8)
 SHORT = {"path.goal": [0.02, 0.02, 0.0], "segments": 4}
 TINY = SHORT | {"segments": 1, "path.goal": [0.004, 0.004, 0.0]}
 WITHOUT = ("identified", "compliant", "creep_floor")
 TASKS = 24  # for every number of workers
+MANY = 10_000  # points
+VARIED = 40  # points, more than are shared of a kind
 
 
 def measure() -> Iterator[Row]:
     """All measurements of sweeps, one after another."""
     yield from throughput(load_scenario("line", SHORT))
     yield from workers(load_scenario("line", TINY))
+    yield Row(f"memory of the books of {MANY} points", _peak("keep_books"), "MB")
+    yield Row(f"memory of a worker after {VARIED} points", _peak("work"), "MB", "< 700")
 
 
 def throughput(scenario: Scenario) -> Iterator[Row]:
@@ -88,3 +100,33 @@ def stand(times: int) -> float:
     engine = batch.Batch(model, nsim=1, nthread=1)
     engine.reset(keyframe=model.key("start").id)
     return seconds(lambda: [engine.rollout(STRETCH) for _ in range(times)])
+
+
+def _peak(work: str) -> float:
+    """Most memory that one of the functions below takes in a process of its own."""
+    with tempfile.TemporaryDirectory() as folder:
+        run = f"import resource; from sim.bench.sweep_speed import {work}"
+        peak = "resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024"
+        program = f"{run}; {work}({folder!r}); print({peak})"
+        return float(subprocess.check_output([sys.executable, "-c", program]))
+
+
+def keep_books(folder: str) -> None:
+    """Read a ledger of many points, and write their table."""
+    scenario = load_scenario("line", TINY)
+    given = dict(numbers(simulate(scenario, without=WITHOUT).summary))
+    blocks = ((("friction",), [(0.5 + 1e-5 * n,) for n in range(MANY)]),)
+    sweep = Sweep("many", to_table(scenario), {}, blocks, WITHOUT)
+    points, home = points_of(sweep, Shard()), SweepFolder(Path(folder))
+    with opened(home.ledger) as ledger:
+        ledger.add(Outcome(code, OK, given) for code in points.digests.values())
+    carry_on(points, home)
+
+
+def work(folder: str) -> None:
+    """Walk points, which leave nothing, in worlds and with plans that all differ."""
+    for number in range(VARIED):
+        aside = 0.004 + 1e-5 * number
+        changes = {"path.goal": [0.004, aside, 0.0], "friction": 0.5 + 0.01 * number}
+        table = to_table(load_scenario("line", TINY | changes))
+        Task(str(number), table, WITHOUT).carry_out()
