@@ -133,7 +133,7 @@ def test_written_scenario_names_settings_that_are_left_open_too():
     lines = dumps(walking()).splitlines()
     (line,) = (line for line in lines if "playback" in line)
     assert line.startswith("# playback =  ")
-    assert line.endswith("; if not given, it fits the walk")
+    assert line.endswith("; fits the walk if not given")
 
 
 def test_file_names_the_scenario_unless_it_says_otherwise(file):
