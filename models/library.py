@@ -98,7 +98,8 @@ def _variant(robot: Robot, geometry: Mapping[str, float]) -> Robot:
 def _find(name: str) -> Path:
     shipped = shipped_robots()
     if not name.endswith(".xml") and name not in shipped:
-        near = get_close_matches(name, shipped, n=1)
+        file = [f"{name}.xml"] if Path(f"{name}.xml").is_file() else []
+        near = file or get_close_matches(name, shipped, n=1)
         question = f"did you mean {near[0]!r}? " if near else ""
         raise UnknownRobotError(
             f"unknown robot: {name!r}; {question}shipped are {', '.join(shipped)}, "

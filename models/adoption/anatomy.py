@@ -138,9 +138,9 @@ def _limb(pose: Pose, hip: int, chain: dict[int, list[int]], source: str) -> Lim
     lean = float(np.arccos(min(abs(axes[swing, 2]), 1.0)))
     if lean > STEEP:
         raise ModelError(
-            f"the leg of {name!r} cannot swing: {source}; its joint nearest to the "
-            f"vertical, {names[swing]!r}, is {np.rad2deg(lean):.0f} degrees off it, "
-            "but legs must swing about the vertical"
+            f"the leg of {name!r} cannot swing: {source}; none of its joints has an "
+            f"upright axis, {names[swing]!r} is nearest, {np.rad2deg(lean):.0f} "
+            "degrees off: give it one at the hip that turns about the vertical"
         )
     toe = pose.bottom(foot)
     level = np.arccos(np.minimum(np.abs(axes[:, 2]), 1.0)) > LEVEL

@@ -119,7 +119,7 @@ def draft_card(source: Source) -> Draft:
         guesses.append(
             f"the servos of {soft[0]!r} and {len(soft) - 1} further joints are soft, "
             f"{found[soft[0]]:.4g} N m/rad: if the robot strays from its prediction, "
-            f"--set servo_stiffness={suited.stiffness:.3g} "
+            f"--set servo_stiffness={float(f'{suited.stiffness:.3g}'):g} "
             f"--set servo_damping={suited.damping:.3g} shows whether they are why"
         )
     text = card_text(pose, limbs, gait, angles, servo)

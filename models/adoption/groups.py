@@ -190,7 +190,9 @@ def free_reach(
             )
         swing = farthest * (level - 1) / TRIED_ANGLES
         return Reach(swing, f"beyond which {one!r} and {other!r} would touch", True)
-    return Reach(farthest, f"which is the range of {joint!r}", False)
+    left = f"what is left of its range where {joint!r} stands"
+    left += f", at {np.rad2deg(pose.angle(joint)) + 0.0:.0f} degrees"
+    return Reach(farthest, f"which is {left}", False)
 
 
 class _Trial:

@@ -36,7 +36,9 @@ HINTS = {  # first guesses that are no command, and what does it
     **dict.fromkeys(("video", "render", "record"), "stratawalk film"),
     **dict.fromkeys(("report", "open", "results"), "stratawalk show"),
     **dict.fromkeys(("install", "info", "status"), "stratawalk doctor"),
+    "brackets": "stratawalk plan unicycle, or stratawalk figures --only panels",
 }
+CALLED = {"bracket": "panels"}  # other words for a choice
 PLACE = "the command line"
 
 
@@ -54,6 +56,10 @@ class Parser(argparse.ArgumentParser):
     ) -> tuple[argparse.Namespace, list[str]]:
         """Parse, refuse unknown options, and leave other words to other parsers."""
         given, rest = super().parse_known_args(args, namespace)
+        for begun in getattr(given, "set", ()):
+            if "=[" in begun and "]" not in begun:
+                remedy = "put quotes around a list: --set 'path.goal=[0, 0.05, 0]'"
+                raise UsageError(f"{begun} is not closed", "--set", remedy)
         own = [name for action in self._actions for name in action.option_strings]
         for place, word in enumerate(rest):
             if word.startswith("--"):
@@ -66,7 +72,8 @@ class Parser(argparse.ArgumentParser):
         """Refuse what is none of a few words, and say which was meant."""
         if action.choices is not None and value not in action.choices:
             named = action.option_strings or [action.dest.upper()]
-            near = did_you_mean(str(value), list(map(str, action.choices)))
+            called = CALLED.get(str(value), str(value))
+            near = did_you_mean(called, list(map(str, action.choices)))
             raise UsageError(f"{value!r} is not allowed", named[-1], near)
 
 
@@ -135,10 +142,10 @@ def _name_setting(word: str, rest: Sequence[str], where: str) -> None:
 
     option, equals, value = word.partition("=")
     name = option.removeprefix("--").replace("-", "_")
-    if name in SETTINGS:
+    if name in SETTINGS or name == "goal":
         given = value if equals else " ".join(rest[:1]) or "VALUE"
-        remedy = f"write --set {name}={given}"
-        raise UsageError(f"unknown option {option}", where, remedy)
+        key = f"{name}={given}" if name in SETTINGS else "'path.goal=[0.1, 0, 0]'"
+        raise UsageError(f"unknown option {option}", where, f"write --set {key}")
 
 
 def _refuse_option(word: str, where: str, known: Sequence[str]) -> NoReturn:

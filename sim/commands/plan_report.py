@@ -57,7 +57,7 @@ class Accuracy:
         )
         if self.faster:
             offers = (f"{_power(o)} with {what}" for what, o in self.faster.items())
-            more = "more elements than needed make it smaller"
+            more = "more elements than it needs make the error smaller"
             yield f"{'faster':10}it falls as {', as '.join(offers)}; {more}"
 
 
@@ -93,7 +93,7 @@ class Steps:
             return f"{head}; planning again converges for no length in this direction"
         if critical is None:
             return f"{head}; planning again converges, also for steps twice as long"
-        upto = f"planning again converges up to {critical:.3g}, the critical step"
+        upto = f"planning again converges for steps to {critical:.3g}, the critical one"
         if first <= critical:
             return f"{head}; {upto}"
         needed = math.ceil(segments * first / critical)

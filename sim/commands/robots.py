@@ -66,10 +66,13 @@ def _show(options: argparse.Namespace) -> None:
 )
 def adopt(options: argparse.Namespace) -> None:
     """Draft the card, try whether the robot stands, and write it beside the file."""
-    from models import ModelError
+    from models import ModelError, shipped_robots
     from sim.interruption import processor_time
     from sim.preparation.inspection import describe, facts_of
 
+    if options.robot in shipped_robots() and not os.path.exists(options.robot):
+        remedy = f"walk it: stratawalk run line --robot {options.robot}"
+        raise UsageError("it is shipped with a card", options.robot, remedy)
     too_long = ModelError(
         f"no card was found within {BUDGET:g} s of the processor: {options.robot}; "
         "leave parts out, or write its card by hand as docs/robots.md has it"

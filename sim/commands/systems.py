@@ -185,7 +185,10 @@ def check(options: argparse.Namespace) -> None:
         "strokes": {cost.direction: asdict(cost) for cost in costs},
         "static_stability": subject.static_stability,
     }
-    lines = [_describe(options.system, found, theory), *_describe_costs(costs)]
+    lines = [_describe(options.system, found, theory)]
+    if subject.strokes and not facts["controllable"]:
+        lines.append(f"{'see':12}stratawalk robots {options.system}, on what helps")
+    lines += _describe_costs(costs, "metre" if subject.strokes else "unit")
     if loads := subject.static_stability:
         shares = (
             f"S{stratum} {max(rest, 0):.2f} at rest, {max(best, 0):.2f} at best"
@@ -277,11 +280,13 @@ def _describe(name: str, report: Controllability, theory: Sequence[str] = ()) ->
     return "\n".join(lines)
 
 
-def _describe_costs(costs: Sequence[DirectionCost]) -> Iterator[str]:
+def _describe_costs(costs: Sequence[DirectionCost], length: str) -> Iterator[str]:
     """What a unit of each direction costs, and which element gives it."""
     if costs:
-        yield f"{'strokes':12}over a joint's range each, or a unit of an input without"
+        each = "a joint's whole range" if length == "metre" else "a unit of an input"
+        yield f"{'strokes':12}each over {each}, recoveries included"
     for cost in costs:
-        count = f"{cost.strokes:.4g} a unit" if cost.strokes < inf else "never"
+        unit = "radian" if cost.direction == "theta" else length
+        count = f"{cost.strokes:.4g} a {unit}" if cost.strokes < inf else "never"
         only = ", in theory only" if cost.in_theory_only else ""
         yield f"{'':12}{cost.direction} {count}, by {cost.element}{only}"

@@ -82,6 +82,10 @@ def _on_paper(evidence: Evidence) -> str:
     if scenario.replan or share <= (evidence.weighed.goal or 0.0) / 2:
         return ""
     planned = f"the plan itself misses it by {100 * share:.1f} % on paper"
+    groups = evidence.walk.setup.robot.card.groups.values()
+    if scenario.fields == "paper" and not any(group.twist for group in groups):
+        # a card that gives twists claims them as the paper does
+        return f"{planned}, as feet that are never lifted drag: --set fields=lifted"
     followed = prediction_key(scenario.steer) == judge
     if followed or evidence.on_paper(IDEAL.key) > share / 2:
         twice = f"walk it in more segments (--segments {2 * scenario.segments})"
@@ -117,12 +121,14 @@ def _never_loaded(evidence: Evidence) -> str:
 
 
 def _steep(evidence: Evidence) -> str:
-    """A floor whose slope takes most of the friction there is."""
+    """A floor without friction, or whose slope takes most of what there is."""
     scenario = evidence.walk.setup.scenario
+    friction = float(np.mean(scenario.foot_friction or scenario.friction))
+    if not friction:
+        return "there is no friction, so feet slide and the body stays: raise friction"
     if scenario.slope is None:
         return ""
-    friction = float(np.mean(scenario.foot_friction or scenario.friction))
-    used = tan(scenario.slope[0]) / friction if friction else np.inf
+    used = tan(scenario.slope[0]) / friction
     if used <= USED_UP:
         return ""
     taken = f"standing takes {100 * used:.0f} % of the friction"
@@ -232,12 +238,12 @@ def _source(evidence: Evidence) -> str:
 
 
 Finder = Callable[[Evidence], str]
-SPOILING: tuple[Finder, ...] = (_never_loaded, _steep, _at_limits, _bouncing)
+SPOILING: tuple[Finder, ...] = (_steep, _never_loaded, _at_limits, _bouncing)
 EXPLAINING: tuple[Finder, ...] = (_hasty, _soft, _unknown, _source)
 FINDERS: Mapping[str, tuple[Finder, ...]] = {
     "fell": (*SPOILING, *EXPLAINING[:-1]),
     "collided": (*SPOILING, _touching),
-    "missed": (_on_paper, _scaled_down, *SPOILING, *EXPLAINING),
+    "missed": (_steep, _on_paper, _scaled_down, *SPOILING, *EXPLAINING),
     "drifted": (*SPOILING, *EXPLAINING),
     "slipped": (*SPOILING, *EXPLAINING),
 }

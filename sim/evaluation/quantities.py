@@ -133,14 +133,6 @@ def describe(summary: Summary) -> str:
     return "\n".join(lines)
 
 
-def strokes_in_words(fields: str, stance: str) -> str:
-    """How groups of legs swing under load, by the names of fields and stance."""
-    about = {"centred": "centred on rest"}
-    others = {"lifted": "others in the air (lifted fields)"}
-    where = about.get(stance, "from where the last one ended")
-    return f"{where}, {others.get(fields, 'all feet down (paper fields)')}"
-
-
 def describe_export(summary: Summary, played: Played, label: str) -> str:
     """An exported walk, played in the physics, beside where it should be."""
     ended = {key: played[key] for key in ("pose", "min_margin", "slip")}
@@ -156,8 +148,10 @@ def _facts(summary: Summary) -> Iterator[tuple[str, str]]:
     if summary.goal is None:
         yield "played", f"{much}, a predicted way of {summary.path_length:.3f} m"
     else:
-        how = strokes_in_words(summary.fields, summary.stance)
-        yield "strokes", f"swings of legs that stand, {how}"
+        about = {"centred": "about rest"}.get(summary.stance, "on from their last end")
+        others = {"lifted": "the others in the air"}.get(summary.fields, "all stand")
+        how = f"{about}, {others} ({summary.fields} fields)"
+        yield "strokes", f"standing legs swing {how}"
         yield (
             "planned",
             f"{summary.segments} segments, {much}, {summary.distance_walked:.3f} m to "
@@ -187,7 +181,7 @@ def _facts(summary: Summary) -> Iterator[tuple[str, str]]:
     seconds, strokes = summary.per_metre.seconds, summary.per_metre.strokes
     if seconds is not None and strokes:
         took = f"{seconds:.0f} s and {strokes:.1f} rad of strokes"
-        yield "a metre", f"of path: {took}"
+        yield "per metre", f"{took} for each metre of the path"
     if (real := summary.measured) is not None:
         yield from (("measured", words) for words in _measured(real))
     if (sensed := summary.feedback) is not None:

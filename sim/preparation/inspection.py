@@ -144,8 +144,8 @@ def describe(robot: Facts) -> str:
     moved = f"{'start':12}{how} the floor by {1e3 * abs(down):.1f} mm"
     lines = [
         f"{robot['name']}: {robot['description']}".rstrip(": "),
-        f"{'weight':12}{robot['mass']:.3f} kg, {1e3 * robot['weight_height']:.1f} mm "
-        "above the floor",
+        f"{'weight':12}{robot['mass']:.3f} kg, centre of mass "
+        f"{1e3 * robot['weight_height']:.1f} mm above the floor",
         f"{'lift':12}{lift['angle']:.4g} rad raise the feet by "
         f"{1e3 * lift['height']:.1f} mm; at most {1e3 * lift['highest']:.1f} mm",
         *([moved] if abs(down) >= SHOWN_MOVE else []),
@@ -171,7 +171,8 @@ def describe(robot: Facts) -> str:
         f"{n:.3g} for a {units.get(name, 'metre')} of {name}"
         for name, n in robot["strokes"].items()
     ]:
-        lines += ["", f"{'strokes [rad]':14}{', '.join(costs)}, by legs that stand"]
+        each = "each over a joint's whole range, recoveries included"
+        lines += ["", f"{'strokes':12}{', '.join(costs)}; {each}"]
     for heading in ("changed", "lacks"):
         for k, sentence in enumerate(robot[heading]):
             lines.append(f"{'' if k else heading:12}{sentence}")

@@ -113,8 +113,13 @@ def reading(folder: Path) -> Iterator[None]:
     remedy = "give the folder of a finished run"
     try:
         if not folder.is_dir():
+            if (Path("runs") / folder).is_dir():
+                remedy = f"did you mean {Path('runs') / folder}?"
             raise UsageError("no such run folder", str(folder), remedy)
         if not (folder / "scenario.toml").is_file():
+            if any(folder.glob("sweep*.json")):
+                remedy = f"stratawalk study {folder} tells what it says"
+                raise UsageError("a sweep and no run", str(folder), remedy)
             raise FileNotFoundError("it lacks scenario.toml")
         yield
     except UsageError:

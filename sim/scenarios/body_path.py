@@ -204,7 +204,7 @@ def _poses(key: str, value: object) -> tuple[Pose, ...]:
 
 def _pose(key: str, value: object) -> Pose:
     three = tuple[Coordinate, Coordinate, Coordinate]
-    wanted = f"x [m], y [m], yaw [rad], {NONE_BEYOND}"
+    wanted = f"[x, y, yaw] [m, m, rad], such as [0.1, 0, 0], {NONE_BEYOND}"
     pose: Pose = accept(value, three, wanted, WHERE, key)
     return pose
 

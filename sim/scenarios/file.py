@@ -25,6 +25,8 @@ from sim.scenarios.settings import FORMER, SETTINGS
 
 Values = dict[str, Any]  # a table of plain values, by key
 KEYS = (*SETTINGS, "path", "obstacles")
+CALLED = {"mu": "friction", "goal": "path"}  # other words for a key
+GUESSES = {"sideways": "run line --set 'path.goal=[0, 0.05, 0]'"}
 TABLES = {name for name, item in SETTINGS.items() if item.includes(Mapping)}
 FOLDER = Path(str(files("sim.scenarios")))
 
@@ -90,7 +92,8 @@ def scenario_from(
         raise UsageError(what, where, "use the commands plan and check on it")
     for key in values:
         if key not in KEYS:
-            raise UsageError(f"unknown key {key!r}", where, did_you_mean(key, KEYS))
+            near = did_you_mean(CALLED.get(key, key), KEYS)
+            raise UsageError(f"unknown key {key!r}", where, near)
     if "motion" in values and "path" in values:
         what = "a motion is played, and a path is planned"
         raise UsageError(what, where, "give one of motion and path")
@@ -178,6 +181,12 @@ def _find(source: str) -> Path:
     if source in shipped_scenarios():
         return FOLDER / f"{source}.toml"
     path = Path(source)
+    from models import SYSTEMS
+
+    meant = {name: f"plan {name}" for name in SYSTEMS} | GUESSES
+    if source in meant and not path.exists():
+        what, remedy = f"{source!r} is no scenario", f"try stratawalk {meant[source]}"
+        raise UsageError(what, "SCENARIO", remedy)
     if path.suffix != ".toml" and len(path.parts) == 1 and not path.exists():
         known = did_you_mean(source, shipped_scenarios())
         remedy = f"{known}; or give the path of a TOML file"

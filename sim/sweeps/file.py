@@ -129,6 +129,9 @@ def _scenario(table: Table, path: Path) -> Table:
         anchor(own, path.parent)
         return own
     for key in own:
+        if key in SETTINGS:
+            remedy = "write it under [grid] where it varies, else under [set]"
+            raise UsageError(f"{key} stands in no table", str(path), remedy)
         raise UsageError(f"unknown key {key!r}", str(path), did_you_mean(key, KEYS))
     if not isinstance(named, str):
         raise UsageError(f"scenario = {named!r} is no name", str(path), remedy)

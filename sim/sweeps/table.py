@@ -12,6 +12,7 @@ from pyarrow import parquet
 
 from sim.errors import UsageError
 from sim.folder import whole
+from sim.sweeps.file import shipped_studies
 
 GROUP_ROWS = 10_000  # any other number gives other bytes
 UNPACKED = 5 * 10**8  # bytes of a table that is read, with all that it repeats once
@@ -39,7 +40,10 @@ def read_table(path: Path) -> tuple[dict[str, list[object]], dict[str, Any]]:
     A few bytes may stand for any number of rows: what a file declares comes first.
     """
     if not path.is_file():
-        raise UsageError("no such table", str(path), "give the table of a sweep")
+        remedy = "give the table of a sweep"
+        if str(path) in shipped_studies():
+            remedy = f"sweep it first: stratawalk sweep {path} --out sweeps/{path}"
+        raise UsageError("no such table", str(path), remedy)
     try:
         declared = parquet.read_metadata(path)
         groups = map(declared.row_group, range(declared.num_row_groups))

@@ -57,6 +57,14 @@ def test_help_with_a_command_explains_it(command, capsys):
         (["completion", "bsh"], "'bsh' is not allowed: SHELL; did you mean 'bash'"),
         (["film", "gone"], "no such run folder: "),
         (["view", "gone"], "no such run folder: gone; give the folder of a finished"),
+        (
+            ["figures", "--only", "bracket"],
+            "'bracket' is not allowed: --only; did you mean 'panels'",
+        ),
+        (
+            ["run", "line", "--set", "path.goal=[0,", "0.05,", "0]"],
+            "path.goal=[0, is not closed: --set; put quotes around a list",
+        ),
         (["--"], "unknown option --: stratawalk; there are --help, --version"),
     ],
     ids=str,
@@ -85,6 +93,22 @@ def test_a_slip_of_the_finger_is_answered_with_what_was_meant(words, meant, caps
         ("show", "no run here: runs; walk one: stratawalk run line"),
         ("view", "no run here: runs; walk one: stratawalk run line"),
         ("film runs", "no run here: runs; walk one: stratawalk run line"),
+        ("run line --set path.goal=0.1,0,0", "such as [0.1, 0, 0]"),
+        ("run line --set mu=1", "did you mean 'friction'?"),
+        ("sweep mu.toml --out x", "did you mean 'friction'?"),
+        ("sweep top.toml --out x", "write it under [grid] where it varies"),
+        ("run line --goal x=0.1", "write --set 'path.goal=[0.1, 0, 0]'"),
+        ("compare fric fric", "a sweep and no run: fric; stratawalk study fric"),
+        ("study friction-speed", "sweep it first: stratawalk sweep friction-speed"),
+        ("show line-001", "no such run folder: line-001; did you mean runs/line-001?"),
+        ("run line --robot mybot", "did you mean 'mybot.xml'?"),
+        ("adopt hexapod", "walk it: stratawalk run line --robot hexapod"),
+        ("run unicycle", "try stratawalk plan unicycle"),
+        ("run sideways", "try stratawalk run line --set 'path.goal=[0, 0.05, 0]'"),
+        (
+            "help brackets",
+            "try stratawalk plan unicycle, or stratawalk figures --only p",
+        ),
         ("robots mybot.xml", "draft one: stratawalk adopt"),
     ],
 )
@@ -93,6 +117,12 @@ def test_a_first_guess_is_answered_with_a_command_that_works(
 ):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "mybot.xml").write_text("<mujoco model='mybot'><worldbody/></mujoco>")
+    (tmp_path / "mu.toml").write_text('scenario = "line"\n[grid]\nmu = [0.1, 0.3]\n')
+    (tmp_path / "top.toml").write_text('scenario = "line"\nfriction = [0.1, 0.3]\n')
+    (tmp_path / "fric").mkdir()
+    (tmp_path / "fric" / "sweep.json").touch()
+    if "line-001" in words:
+        (tmp_path / "runs" / "line-001").mkdir(parents=True)
     assert main(words.split()) in (2, 3)
     (line,) = capsys.readouterr().err.splitlines()
     assert meant in line

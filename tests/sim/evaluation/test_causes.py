@@ -88,6 +88,8 @@ def test_a_floor_too_steep_for_its_friction_is_named(evidence):
     steep = with_settings(evidence, slope=(0.3, 0.0), friction=0.4)
     found = likely_cause("drifted", steep)
     assert "standing takes 77 % of the friction" in found  # tan(0.3) / 0.4
+    slippery = with_settings(evidence, friction=0.0)
+    assert "there is no friction" in likely_cause("missed", slippery)
     level = with_settings(evidence, slope=(0.1, 0.0))
     assert "know nothing of slope" in likely_cause("drifted", level)
 
@@ -131,6 +133,8 @@ def test_a_plan_that_misses_on_paper_asks_for_segments_or_another_prediction(evi
     assert "(--segments 2), or plan again on the way" in both
     real = likely_cause("missed", planned_aside(evidence, "quasi_static"))
     assert "--steer quasi-static finds a plan if they can go there" in real
+    paper = with_settings(planned_aside(evidence, "quasi_static"), fields="paper")
+    assert "never lifted drag: --set fields=lifted" in likely_cause("missed", paper)
     none = likely_cause("missed", planned_aside(evidence))
     assert "on paper" not in none
 
