@@ -130,13 +130,12 @@ def merge(options: argparse.Namespace) -> ExitCode:
 
 def _print_result(options: argparse.Namespace, result: Result, table: Path) -> ExitCode:
     """Say what became of a sweep; the code that it ends with."""
-    counts = {key: getattr(result, key) for key in ("points", "failed", "walked")}
-    reasons = dict(result.reasons)
-    shown = list(reasons.items())[:PRINTED]
+    shown = list(result.reasons.items())[:PRINTED]
     cli.report(
         options,
-        {**counts, "reasons": reasons, "table": str(table)},
+        asdict(result) | {"table": str(table)},
         f"{result.points} points, {result.walked} walked now, {result.failed} failed",
+        ", ".join(f"{word} {count}" for word, count in result.verdicts.items()),
         *(f"{count:6}  {reason}" for reason, count in shown),
         f"{'table':8}{table}",
     )
@@ -172,20 +171,22 @@ def study(options: argparse.Namespace) -> None:
     from sim.studies.results import findings, read_results
 
     given = Path(options.table)
-    results = read_results(given, prediction_key(options.prediction))
     beside = (given if given.is_dir() else given.parent) / "maps"
     out = beside if options.out is None else Path(options.out)
     paged = out.suffix in PAGES
+    if out.suffix[1:].isalpha() and not paged and not out.is_dir():
+        raise UsageError("neither folder nor page", str(out), "end it with .html")
+    results = read_results(given, prediction_key(options.prediction))
     folder = ensure_folder(out.parent if paged else out)
     with (
         bar(quiet=options.json) as progress,
         stage(progress, "drawing maps"),
         blamed_on(given, "give the table that a sweep has written"),
     ):
-        results = results.fitted() if paged else results
         found = findings(results)
         if paged:
-            RunFolder(folder).write_text(out.name, page(results, found, given, folder))
+            text = page(results.fitted(), found, given, folder)
+            RunFolder(folder).write_text(out.name, text)
             made: dict[str, object] = {"page": str(out)}
             lines = [f"{'page':8}{out}"]
         else:

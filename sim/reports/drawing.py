@@ -40,7 +40,7 @@ BINS = 500  # of a time axis; each keeps its extremes
 FEW = 8  # segments; fewer are divided into their phases
 BAND, DETAIL = "band", "detail"  # classes of shapes, for the page's style and script
 XLINK = "http://www.w3.org/1999/xlink"
-IDS = re.compile(r' id="(?!m|p|DejaVu)[^"#]*"')  # others are referred to
+IDS = re.compile(r' id="(?!m|p|C[0-9a-f]+_|DejaVu)[^"#]*"')  # others are referred to
 HEAD = re.compile(r"<svg [^>]*viewBox=\"([^\"]*)\"[^>]*>")
 
 

@@ -92,7 +92,8 @@ def page(results: Results, found: Findings, table: Path, beside: Path) -> str:
     return render(
         "study.html",
         title=f"{name}: {len(results)} points",
-        about=f"{', '.join(results.keys)} vary",
+        about=f"{', '.join(results.keys)} {'vary' if results.keys[1:] else 'varies'}",
+        found=found,
         label=results.label,
         counts=Table(("farthest off, of the path", "points", "share"), counts),
         explained=Table(("alone explains", "of departures", "of lost walks"), shares),
@@ -122,8 +123,10 @@ def _points(
             sets = " ".join(f"--set {quote(word)}" for word in words)
             link = Markup("<code>stratawalk run {} {}</code>").format(name, sets)
         cells = (toml_value(value) for value in settings.values())
-        rows.append((str(number), f"{100 * results.off[i]:.3g} %", *cells, link))
-    return Table(("point", "farthest off", *results.keys, "look at it"), rows)
+        off, word = 100 * results.off[i], results.columns["verdict"][i]
+        rows.append((str(number), f"{off:.3g} %", str(word), *cells, link))
+    heads = "point", "farthest off", "verdict", *results.keys, "look at it"
+    return Table(heads, rows)
 
 
 def _draw_map(axes: Axes, results: Results, across: str, up: str) -> None:
@@ -161,14 +164,19 @@ def _draw_map(axes: Axes, results: Results, across: str, up: str) -> None:
 
 
 def _draw_curve(axes: Axes, results: Results, key: str) -> None:
+    from matplotlib.ticker import LogLocator
+
     x = _place(axes, results, key, "x")
-    share = np.maximum(np.nan_to_num(results.off, nan=1.0), SMALLEST_SHARE)
+    share = 100 * np.maximum(np.nan_to_num(results.off, nan=1.0), SMALLEST_SHARE)
     colours = [OUTCOMES[found].hex for found in results.classes]
     axes.scatter(x, share, s=12, c=colours, linewidths=0)
     axes.set_yscale("log")
+    axes.yaxis.set_major_formatter("{x:g}")
+    axes.yaxis.set_minor_formatter("")
+    axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
     for limit in results.limits:
-        axes.axhline(limit, color=FAINT.hex, linewidth=0.6)
-    axes.set_ylabel("farthest, as a share of the path")
+        axes.axhline(100 * limit, color=FAINT.hex, linewidth=0.6)
+    axes.set_ylabel("farthest, % of the path")
     axes.set_title(f"off the {results.label} prediction")
 
 

@@ -2,9 +2,9 @@
 
 A point is judged by the farthest that the walk came from a prediction, as a share of
 its path. How much of what varies in the results a setting alone explains is the
-first-order index of Sobol's decomposition, estimated from whatever points there are:
-the variance of the means of groups of equal or neighbouring values, as a share of the
-whole variance, less what chance alone would give.
+first-order index of Sobol's decomposition, the variance of the means of groups of equal
+values as a share of the whole variance. It is exact where the points fill a grid, else
+estimated: with groups of neighbouring values, less what chance alone would give.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from math import prod
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +35,8 @@ ROUNDING_SHARE = 1e-9  # of the path; smaller shares are rounding
 PRINTED_REASONS = 5
 FURTHER = ("beyond", "fell", "no walk")  # classes, after those of the limits
 FELL, NO_WALK = 4, 5
+VARIANCES = "variance of the departures' logarithm, and of fallen or impossible walks"
+ALONE = "one setting alone varies: there is nothing to divide among several"
 QUARTILES = (0.25, 0.5, 0.75)  # of the points, next to which fitted limits are
 ROUND = np.outer(
     10.0 ** np.arange(-9, 4), (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0)
@@ -120,21 +123,23 @@ def read_results(path: Path, prediction: str) -> Results:
     if vary is None or strange or lacking:
         what = f"it does not say what varies, {', '.join(strange + lacking)}"
         raise UsageError(what, str(file), "give the table that a sweep has written")
+    columns.setdefault("verdict", [None] * len(columns["point"]))
     results = Results(columns, keys, prediction, asked or {})
     if results.walked.any():
         results.column(f"error.{prediction}.farthest")
     return results
 
 
-def explained(values: Sequence[object], results: Array) -> float | None:
+def explained(values: Sequence[object], results: Array, exact: bool) -> float | None:
     """Share of the variance of results that one setting alone explains, from 0 to 1.
 
     Points whose result is NaN are left out. None where nothing varies, or where every
-    group has a single point.
+    group has a single point. It is `exact` where the points are all of a grid: groups
+    then differ by the setting alone, and within them the others vary, not chance.
     """
     known = np.isfinite(results)
     results = results[known]
-    distinct, groups = np.unique(group(values)[known], return_inverse=True)
+    distinct, groups = np.unique(group(values, exact)[known], return_inverse=True)
     count = len(distinct)
     if count < 2 or len(results) <= count:
         return None
@@ -143,17 +148,17 @@ def explained(values: Sequence[object], results: Array) -> float | None:
         return None
     means = np.bincount(groups, results) / np.bincount(groups)
     within = float(((results - means[groups]) ** 2).sum())
-    chance = within / (len(results) - count) * (len(results) - 1)
-    return float(np.clip(1.0 - chance / total, 0.0, 1.0))
+    chance = 1.0 if exact else (len(results) - 1) / (len(results) - count)
+    return float(np.clip(1.0 - chance * within / total, 0.0, 1.0))
 
 
-def group(values: Sequence[object]) -> Array:
+def group(values: Sequence[object], separate: bool = False) -> Array:
     """Number of each point's group of equal or neighbouring values, shape (N,)."""
     comparable = list(map(_comparable, values))
     distinct = sorted(set(comparable))
     place = {value: number for number, value in enumerate(distinct)}
     ranks = np.array([place[value] for value in comparable], dtype=int)
-    if len(distinct) <= SEPARATE:
+    if separate or len(distinct) <= SEPARATE:
         return ranks
     bins = int(np.clip(len(ranks) // EACH, *BINS))
     return ranks * bins // len(distinct)
@@ -182,6 +187,8 @@ class Findings:
     classes: Mapping[str, int]
     explained: Mapping[str, Explained]
     reasons: Mapping[str, int]  # points without numbers, most frequent reasons first
+    verdicts: Mapping[str, int]  # walks by what became of them
+    method: str  # what the shares are that settings explain, and how exact
 
     def __str__(self) -> str:
         return "\n".join(self._lines())
@@ -189,6 +196,7 @@ class Findings:
     def _lines(self) -> Iterator[str]:
         name = PREDICTIONS[self.prediction].label
         yield f"{self.points} points, farthest off the {name} prediction on the way"
+        yield ", ".join(f"{word} {count}" for word, count in self.verdicts.items())
         for word, count in self.classes.items():
             yield f"{word:14}{count:6} {count / max(self.points, 1):7.1%}"
         for reason, count in self.reasons.items():
@@ -198,6 +206,7 @@ class Findings:
         ranked = sorted(self.explained.items(), key=lambda of: -(of[1].departure or 0))
         for key, share in ranked:
             yield f"{key:24}{_percent(share.departure):>14}{_percent(share.falls):>15}"
+        yield self.method
 
 
 def _percent(share: float | None) -> str:
@@ -210,14 +219,23 @@ def findings(results: Results) -> Findings:
     off = np.log10(np.maximum(results.off, ROUNDING_SHARE))
     off[results.classes >= FELL] = np.nan
     columns = [(key, results.columns[key]) for key in results.keys]
+    places = [group(values, separate=True).tolist() for _, values in columns]
+    rows, every = set(zip(*places, strict=True)), prod(len(set(p)) for p in places)
+    grid = len(results) == len(rows) == every  # all combinations, each of them once
+    known = int(np.isfinite(off).sum())
+    whole = grid and known == len(results)
+    how = "exact for this full grid of" if whole else "estimated from"
+    words = results.columns["verdict"]
     reasons = Counter(str(s) for s in results.columns["status"] if s != "ok")
     return Findings(
         points=len(results),
         prediction=results.prediction,
         classes=results.counts,
         explained={
-            key: Explained(explained(values, off), explained(values, lost))
+            key: Explained(explained(values, off, whole), explained(values, lost, grid))
             for key, values in columns
         },
         reasons=dict(reasons.most_common(PRINTED_REASONS)),
+        verdicts={"arrived": 0, **Counter(str(word) for word in words if word)},
+        method=f"{VARIANCES}: {how} {known} points" if columns[1:] else ALONE,
     )

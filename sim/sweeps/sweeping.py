@@ -37,6 +37,7 @@ class Result:
     failed: int  # points without numbers
     reasons: Mapping[str, int]  # how many points failed of each, most frequent first
     walked: int  # now; the others were done already
+    verdicts: Mapping[str, int]  # how many walks ended with each
 
 
 @dataclass(frozen=True)
@@ -74,7 +75,9 @@ class Points:
         reasons = Counter(known[code].status for code in self.digests.values())
         del reasons[OK]
         ranked = dict(reasons.most_common())
-        return Result(len(self.digests), reasons.total(), ranked, walked)
+        words = [known[code].numbers.get("verdict") for code in self.digests.values()]
+        verdicts = {"arrived": 0, **Counter(str(word) for word in words if word)}
+        return Result(len(self.digests), reasons.total(), ranked, walked, verdicts)
 
 
 def points_of(sweep: Sweep, shard: Shard) -> Points:

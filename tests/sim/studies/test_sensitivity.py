@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sim.studies.results import explained, group
+from sim.studies.results import Results, explained, findings, group
 
 RNG = np.random.default_rng(16)
 
@@ -15,28 +15,47 @@ def test_ishigamis_indices_are_found_from_scattered_points():
         + 7 * np.sin(x[:, 1]) ** 2
         + 0.1 * x[:, 2] ** 4 * np.sin(x[:, 0])
     )
-    found = [explained(column.tolist(), y) for column in x.T]
+    found = [explained(column.tolist(), y, exact=False) for column in x.T]
     # Groups of neighbours blur the exact 0.3139, 0.4424, 0 by 0.02, measured.
     assert found == pytest.approx([0.3139, 0.4424, 0.0], abs=0.03)
 
 
 def test_a_grid_gives_exact_shares():
-    a, b = (axis.ravel() for axis in np.meshgrid(np.arange(5), np.arange(5)))
-    shares = [explained(column.tolist(), 2.0 * a + b) for column in (a, b)]
-    raw = [0.8, 0.2]  # of the variance; chance takes a little
-    chance = [1 - (1 - share) * 24 / 20 for share in raw]
-    assert shares == pytest.approx(chance)
+    a, b = (axis.ravel() for axis in np.meshgrid(np.arange(20), np.arange(20)))
+    shares = [explained(column.tolist(), 2.0 * a + b, exact=True) for column in (a, b)]
+    assert shares == pytest.approx([0.8, 0.2])  # of the variance
+
+
+@pytest.mark.parametrize("lost", [0, 1])
+def test_a_study_of_a_full_grid_is_exact_and_says_so(lost):
+    a, b = (axis.ravel() for axis in np.meshgrid(np.arange(3), np.arange(5)))
+    columns = {
+        "point": [*range(15)], "a": a.tolist(), "b": b.tolist(),
+        "status": ["ok"] * (15 - lost) + ["none"] * lost,
+        "verdict": ["missed"] * (15 - lost) + [None] * lost,
+        "path_length": [1.0] * 15, "distance_walked": [1.0] * 15,
+        "error.ideal.farthest": (10.0 ** -(a + b)).tolist(),
+    }  # fmt: skip
+    found = findings(Results(columns, ("a", "b"), "ideal"))
+    assert found.verdicts == {"arrived": 0, "missed": 15 - lost}
+    if lost:
+        assert found.method.endswith("estimated from 14 points")
+        assert found.explained["b"].falls == pytest.approx(2 / 7)  # of 14/225 in all
+    else:
+        assert found.method.endswith("exact for this full grid of 15 points")
+        shares = [found.explained[key].departure for key in "ab"]
+        assert shares == pytest.approx([0.25, 0.75])  # variances 2/3 and 2
 
 
 def test_a_setting_that_does_nothing_explains_nothing():
     nothing = RNG.integers(0, 4, 400).tolist()
-    assert explained(nothing, RNG.normal(size=400)) < 0.03
+    assert explained(nothing, RNG.normal(size=400), exact=False) < 0.03
 
 
 def test_words_are_groups_and_unknown_results_are_left_out():
     words = ["a", "b"] * 10
     results = np.array([0.0, 1.0] * 9 + [np.nan, 1.0])
-    assert explained(words, results) == pytest.approx(1.0)
+    assert explained(words, results, exact=False) == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize(
@@ -48,7 +67,7 @@ def test_words_are_groups_and_unknown_results_are_left_out():
     ],
 )
 def test_nothing_is_said_where_nothing_can_be(values, results):
-    assert explained(values, np.array(results)) is None
+    assert explained(values, np.array(results), exact=False) is None
 
 
 def test_many_values_make_groups_of_a_dozen_in_order():

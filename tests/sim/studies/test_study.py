@@ -12,6 +12,7 @@ from pyarrow import parquet
 
 from sim.cli import main
 from sim.errors import UsageError
+from sim.studies import maps
 from sim.studies.maps import _place
 from sim.studies.results import Results, read_results
 from sim.sweeps import table
@@ -35,7 +36,7 @@ def folder(tmp_path):
             "play": 0.01 * (number % 2),
             "draw": number % 2,
             "status": "no plan: none" if farthest is None else "ok",
-            "verdict": "fell" if number == 4 else "arrived",
+            "verdict": (*["arrived"] * 4, "fell", None)[number],
             "path_length": 0.1,
             "distance_walked": 1.0,
             "error.quasi_static.farthest": farthest,
@@ -66,7 +67,10 @@ def test_findings_and_maps_are_printed_and_drawn(folder, capsys):
             assert len(picture.convert("RGB").getcolors(1 << 20)) > 6
 
 
-def test_the_page_fits_its_classes_and_links_the_worst_and_the_best(folder, tmp_path):
+def test_the_page_fits_its_classes_and_links_the_worst_and_the_best(
+    folder, tmp_path, monkeypatch
+):
+    monkeypatch.setattr(maps, "EXTREMES", 2)
     kept = folder / "runs" / "point-00003"
     kept.mkdir(parents=True)
     (kept / "report.html").touch()
@@ -78,6 +82,45 @@ def test_the_page_fits_its_classes_and_links_the_worst_and_the_best(folder, tmp_
     assert (out.parent / link).resolve() == kept / "report.html"
     assert "<code>stratawalk run line --set" in page
     assert page.index("The worst walks") < page.index("500 %") < page.index("The best")
+
+
+def test_the_page_has_the_classes_of_the_terminal_and_the_verdicts(
+    folder, tmp_path, capsys
+):
+    assert main(["study", str(folder)]) == 0
+    shown = capsys.readouterr().out.splitlines()[:8]
+    assert "arrived 4, fell 1" in shown
+    out = tmp_path / "study.html"
+    assert main(["study", str(folder), "--out", str(out)]) == 0
+    assert capsys.readouterr().out.splitlines()[:8] == shown
+    page = out.read_text()
+    assert "Verdicts: arrived 4, fell 1." in page
+    assert "<td>within 1 %</td><td>1</td>" in page
+    assert page.count("<td>arrived</td>") == 4
+
+
+def test_one_setting_alone_is_drawn_with_all_its_points(folder, tmp_path, capsys):
+    rows = parquet.read_table(folder / "table.parquet").to_pylist()
+    about = ABOUT | {"asked": ASKED | {"vary": {"friction": []}}}
+    write_table(folder / "table.parquet", rows[:5], about)
+    out = tmp_path / "study.html"
+    assert main(["study", str(folder), "--out", str(out)]) == 0
+    assert "nothing to divide" in capsys.readouterr().out
+    page = out.read_text()
+    used, there = (set(re.findall(p, page)) for p in ('href="#([^"]*)', ' id="([^"]*)'))
+    assert any(name.startswith("C0_") for name in used)
+    assert used <= there
+    assert "friction varies." in page
+    assert "The best walks" not in page
+
+
+def test_a_file_that_is_no_page_is_refused(folder, tmp_path, capsys):
+    out = tmp_path / "study.csv"
+    assert main(["study", str(folder), "--out", str(out)]) == 2
+    assert f"neither folder nor page: {out}; end it with .html" in (
+        capsys.readouterr().err
+    )
+    assert not out.exists()
 
 
 @pytest.mark.parametrize(

@@ -33,6 +33,7 @@ def swept(tmp_path_factory):
     assert done.returncode == 0, done.stderr
     told = json.loads(done.stdout)
     assert (told["points"], told["failed"], told["walked"]) == (4, 0, 4)
+    assert sum(told["verdicts"].values()) == 4
     return file, folder / "out"
 
 
@@ -73,7 +74,7 @@ def test_what_is_missing_is_walked_again_to_the_same_bytes(again):
     (folder / "ledger.jsonl").write_bytes(lines[2] + lines[0] + lines[3][:50])
     done = walked_here("sweep", file, "--out", folder, "--workers", 1, "--resume")
     assert done.returncode == 0, done.stderr
-    assert "4 points, 2 walked now, 0 failed" in done.stdout
+    assert "4 points, 2 walked now, 0 failed\narrived " in done.stdout
     assert (folder / "table.parquet").read_bytes() == wanted
 
 
