@@ -135,7 +135,7 @@ def draw(run: Run, found: Sequence[Mapping[str, Any]], path: Path) -> None:
     longest = max(float(np.hypot(row["x"], row["y"])) for row in found) or 1.0
     scale = 0.6 * float(np.abs(feet).max()) / longest
     kinds = sorted({_kind(row) for row in found})
-    figure = Figure(figsize=(6.0, 6.0), layout="constrained")
+    figure = Figure(figsize=(8.5, 6.0), layout="constrained")
     axes = figure.add_subplot(aspect="equal")
     axes.plot(*feet.T, "o", color=palette.OUTLINE.hex)
     for row in found:
@@ -148,7 +148,7 @@ def draw(run: Run, found: Sequence[Mapping[str, Any]], path: Path) -> None:
         axes.plot(*tip, alpha=0)
     for number, kind in enumerate(kinds):
         axes.plot([], [], color=palette.group(number).hex, label=kind)
-    axes.legend(loc="upper right")
+    figure.legend(loc="outside right upper")
     axes.set(xlabel="x [m], forward", ylabel="y [m], left")
     axes.set_title(f"where the end moves, {scale:.3g} times as long")
     figure.savefig(path, dpi=120)

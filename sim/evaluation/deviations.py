@@ -237,8 +237,7 @@ def require_holding(
         fields = (f for f in twists.fields.values() if f.stratum in strata)
         off = max((field.off for field in fields), default=0.0)
     if length and off * walk.distance > TRUSTED_MISS * length:
-        whole = f"{100 * off * walk.distance / length:.0f} % of the path in all"
+        whole = f"{100 * off * walk.distance / length:.0f} % of the path"
         raise MeasurementError(
-            f"left out: it misses {100 * off:.1f} % of a stroke that it was not fitted "
-            f"to, which may be {whole}"
+            f"not made, since its error on a test stroke could add up to {whole}"
         )

@@ -139,7 +139,7 @@ def _bar(walk: Run, playback: float) -> Panel:
     numbers = {"stability margin": walk.margin, label: off}
     if walk.clearance is not None:
         numbers["clear of obstacles"] = walk.clearance
-    speed = "real time" if playback == 1 else f"{playback:g}x real time"
+    speed = "at real speed" if playback == 1 else f"at {playback:g}x real speed"
     ends = [width - PAD - i * COLUMN for i in range(len(numbers) + 1)]
     for end, label in zip(ends, (speed, *numbers), strict=True):
         text(draw, (end, 54), label, anchor="ra", colour=palette.FAINT)

@@ -75,11 +75,12 @@ def errors(run: Run) -> Iterator[Drawing]:
                 axes.plot(done[1:], error[last], **mark.line(linewidth=1.1))
             axes.set_xlim(0, done[-1])
             keys = [Key.of(m, f"off {PREDICTIONS[n].label}") for n, m in marks.items()]
-            along = "length of the path [mm]" if length else "number of the part"
+            kind = "segment" if len(starts) == run.segments else "phase"
+            along = "length of the path [mm]" if length else f"number of the {kind}"
             note = (
                 f"To the right the {along}. Lines join the ends of its "
-                f"{len(starts)} parts, pale bands hold all that lies between. Forward "
-                "and to the left count as positive."
+                f"{len(starts)} {kind}s, pale bands hold all that lies between. "
+                "Forward and to the left count as positive."
             )
             both = (keys, note) if word == WAYS[-1] else ([], "")
             yield finish(figure, f"Error {word} the path [mm]", *both)

@@ -133,7 +133,10 @@ def _slip(run: Run) -> Drawing:
         ):
             together = MM * run.arrays[name][:, owners == i].sum(axis=1)
             curves.append((together, style, own))
-    note = f"Dotted lines are the {best.label} prediction."
+    note = (
+        f"Dotted lines are the {best.label} prediction. Where none is seen, it lies on "
+        "the solid one."
+    )
     if (floor := run.summary.achieved.creep_floor) is not None:
         note += (
             f" Standing still for as long, all feet together creep by "

@@ -82,11 +82,14 @@ def scenario_from(
 ) -> Scenario:
     """A scenario from a table of plain values, found at a place in words.
 
-    Overrides replace them; `path.goal` reaches into its table.
+    Overrides replace them; `path.goal` reaches into its table. A changed path loses the
+    description, which is of another.
     """
-    values = deepcopy(_renamed(table, where))
+    values = deepcopy(given := _renamed(table, where))
     for key, value in _renamed(overrides, where).items():
         _replace(values, key, value)
+    if values.get("path") != given.get("path") and "description" not in overrides:
+        values.pop("description", None)
     if "strata" in values:
         what = "a system of strata is no scenario"
         raise UsageError(what, where, "use the commands plan and check on it")
