@@ -107,11 +107,13 @@ def test_the_table_of_a_sweep_is_read_as_shown(swept, monkeypatch):
     assert len(names["held"]) <= 2
 
 
-def test_the_sweep_shown_is_one(tmp_path):
-    (block,) = (b.text for b in blocks("toml") if "[sobol]" in b.text)
+@pytest.mark.parametrize(
+    ("has", "points"), [("[sobol]", 9 * 2 * 3 * 64), ("stiffness = [150, 450]", 10)]
+)
+def test_the_sweep_shown_is_one(tmp_path, has, points):
+    (block,) = (b.text for b in blocks("toml") if has in b.text)
     (tmp_path / "friction.toml").write_text(block)
-    sweep = read_sweep(str(tmp_path / "friction.toml"))
-    assert len(sweep) == 9 * 2 * 3 * 64
+    assert len(read_sweep(str(tmp_path / "friction.toml"))) == points
 
 
 @pytest.mark.physics
