@@ -34,14 +34,14 @@ COMMANDS = {
     "view": "view run --replay --no-browser",
     "compare": "compare run run --out new/page.html",
     "export": f"export {WALK} {RATED} --format csv --out new.csv --no-play",
-    "plan": "plan line --save new.json",
+    "plan": "plan unicycle --save new.json",
     "adopt": "adopt bare.xml",
     "study": "study run --out new",
     "design": "design hexapod --designs 3 --walks 1 --out new.parquet",
     "figures": "figures --only mechanism --out new",
     "merge": "merge swept --out new",
 }
-DRAWN_ANEW = ("video.mp4", "replay.html", "report.html", "summary.json")
+DRAWN_ANEW = ("video.mp4", "replay.html", "report.html", "page.html", "summary.json")
 """With times, or names of folders, of now."""
 
 
