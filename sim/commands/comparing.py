@@ -179,8 +179,8 @@ def figures(options: argparse.Namespace) -> None:
             for sheet in draw(folder, options.only, progress=progress):
                 facts[sheet.name] = sheet.caption
                 if not options.json:
-                    print(f"{sheet.name:28}{sheet.title}", flush=True)
+                    print(f"{sheet.name:26}{sheet.title}", flush=True)
     finally:
         folder.discard_if_empty()
-    where = f"\n{'folder':28}{folder.path}\n{'captions and tables':28}figures.md in it"
+    where = f"\n{'folder':26}{folder.path}\n{'captions and tables':26}figures.md in it"
     cli.report(options, {"folder": str(folder.path), "figures": facts}, where)

@@ -25,7 +25,7 @@ COLOUR = (255, 255, 255, 205)
 LARGE, MIDDLE, SMALL = 28, 22, 16  # type [pixels]
 LINE, SWATCH = 25, 34  # height of a line, width of its sample [pixels]
 NOSE = "nose"  # geom on the front of the shipped robots
-ENTRIES, WIDE = 7, 304  # lines; width [pixels]
+ENTRIES, WIDE = 6, 304  # lines; width [pixels]
 TITLE = 86  # height of what is above the lines [pixels]
 NOUNS = {1: "leg", 2: "pair", 3: "tripod", 4: "tetrapod"}  # by legs in a group
 
@@ -164,7 +164,6 @@ def _lines(walk: Run) -> list[tuple[str, Colour, str]]:
         *([around] if walk.scenario.obstacles else []),
         *([(bumps, palette.RELIEF, "line")] if walk.scenario.bumps else []),
         ("footprints, fading", palette.group(0).tint(0.6), "disc"),
-        *([("nose, the front", front, "block")] if (front := nose(walk)) else []),
     ]
     return lines[:ENTRIES]
 

@@ -189,9 +189,9 @@ def test_sheets_are_written_one_by_one(tmp_path):
     assert first.name == "fig1-mechanism-paper"
     made = {path.name for path in tmp_path.iterdir()}
     assert made == {f"{first.name}.{kind}" for kind in ("png", "svg", "csv")}
-    assert [sheet.name for sheet in sheets] == ["fig1-mechanism-millimetres"]
+    assert [sheet.name for sheet in sheets] == ["fig1-mechanism-metres"]
     page = (tmp_path / "figures.md").read_text()
-    assert page.index(first.name) < page.index("fig1-mechanism-millimetres")
+    assert page.index(first.name) < page.index("fig1-mechanism-metres")
 
 
 def test_the_command_draws_one_figure_and_says_where(
@@ -212,7 +212,7 @@ def test_the_command_draws_one_figure_and_says_where(
     code = main(["figures", "--only", "sequence", "--out", str(out), "--json"])
     assert code == 0
     facts = json.loads(capsys.readouterr().out)
-    assert set(facts["figures"]) == {"fig4-sequence-paper", "fig4-sequence-millimetres"}
+    assert set(facts["figures"]) == {"fig4-sequence-paper", "fig4-sequence-metres"}
     names = {path.name for path in out.iterdir()}
     drawn = {
         f"{name}.{end}" for name in facts["figures"] for end in ("png", "svg", "csv")

@@ -97,15 +97,14 @@ def test_the_scale_bar_is_as_long_as_what_lies_at_its_place(walk, view):
     assert length == pytest.approx(cell(walk.reach), rel=0.03)
 
 
-def test_the_key_has_seven_entries_at_most(walk):
+def test_the_key_has_six_entries_at_most(walk):
     assert [label for label, _, _ in _lines(walk)] == [
         "nominal path, goal", "ideal prediction, ghost", "compliant prediction",
         "achieved path", "support, centre of mass", "footprints, fading",
-        "nose, the front",
     ]  # fmt: skip
     beside = replace(walk, settings={**walk.settings})
     beside.__dict__["thought"] = (walk.nominal[:2, :2],)
-    assert len(_lines(beside)) == ENTRIES == 7
+    assert len(_lines(beside)) == ENTRIES == 6
     assert nose(walk) == (242, 140, 38)  # of the file, 0.95 0.55 0.15
 
 
