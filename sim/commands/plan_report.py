@@ -93,7 +93,8 @@ class Steps:
             return f"{head}; planning again converges for no length in this direction"
         if critical is None:
             return f"{head}; planning again converges, also for steps twice as long"
-        upto = f"planning again converges for steps to {critical:.3g}, the critical one"
+        these = f"steps up to {critical:.3g}, the critical one"
+        upto = f"planning again converges for {these}"
         if first <= critical:
             return f"{head}; {upto}"
         needed = math.ceil(segments * first / critical)
