@@ -9,12 +9,12 @@ from io import StringIO
 
 import sim
 from sim.cli import main
-from sim.commands.parsing import COMMANDS
+from sim.commands.declared import COMMANDS
 
 for name in dir(sim):
     getattr(sim, name)
-for module in COMMANDS.values():
-    import_module(f"sim.commands.{module}")
+for declared in COMMANDS.values():
+    import_module(f"sim.commands.{declared['module']}")
 for name in ("sim.reports.page", "matplotlib.backends.backend_svg"):
     import_module(name)
 with redirect_stdout(StringIO()):

@@ -26,23 +26,6 @@ T = TypeVar("T")
 SKETCH, SCRIPT, PAGE, SHEET = "jog.ino", "bus.py", "index.html", "feet.svg"
 
 
-@cli.command(
-    "find the servos of a robot one at a time, and write them into its card",
-    *cli.robot_options("the robot that is to be calibrated"),
-    cli.option(
-        "--out",
-        metavar="FOLDER",
-        default="calibration",
-        help="folder of sketch and pictures; calibration if left out",
-    ),
-    cli.option(
-        "--answers", metavar="FILE", help="read answers, a line each, from a file"
-    ),
-    cli.flag(
-        "--check",
-        "write three strokes that show what is wrong, for servos that are found",
-    ),
-)
 def calibrate(options: argparse.Namespace) -> None:
     """Ask for what is not known yet, and write the card; or write strokes to check."""
     from sim.folder import RunFolder, ensure_folder

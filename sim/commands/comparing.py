@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 from sim.commands import options as cli
 from sim.endings import keeping
 from sim.errors import UsageError
-from sim.figures import NAMES
 from sim.progress import bar
 
 if TYPE_CHECKING:
@@ -21,15 +20,6 @@ if TYPE_CHECKING:
 POSE = ("x", "y", "yaw")
 
 
-@cli.command(
-    "compare finished runs: settings that differ first, then what came of them",
-    cli.option(
-        "runs", metavar="RUN", nargs="+", help="folders of finished runs, at least two"
-    ),
-    cli.option(
-        "--out", metavar="FILE.html", help="page to make, with the paths of all runs"
-    ),
-)
 def compare(options: argparse.Namespace) -> None:
     """Print the comparison, and write its page."""
     if len(options.runs) < 2:
@@ -86,13 +76,6 @@ def _text(table: Table) -> str:
     return "\n".join("  ".join(map(str.ljust, row, widths)).rstrip() for row in rows)
 
 
-@cli.command(
-    "what a degree of each zero, a millimetre of each foot and more do to a walk's end",
-    cli.option("run", metavar="RUN", help="folder of a finished run"),
-    cli.option(
-        "--out", metavar="FILE.png", help="picture over the robot seen from above"
-    ),
-)
 def sensitivities(options: argparse.Namespace) -> None:
     """Print the table, and draw the picture if one is asked for."""
     from sim.folder import blamed_on
@@ -159,13 +142,6 @@ def _kind(row: Mapping[str, Any]) -> str:
     return f"a {row['unit']}: {what}"
 
 
-@cli.command(
-    "draw the paper's Figs. 1 to 9 again, on its kinematics and beside physics",
-    cli.option(
-        "--out", metavar="DIR", help="folder to make; otherwise runs/figures-NNN"
-    ),
-    cli.option("--only", choices=NAMES, help="draw this one alone"),
-)
 def figures(options: argparse.Namespace) -> None:
     """Draw the figures, name each when it is written, and print their folder."""
     from sim.figures.sheet import draw

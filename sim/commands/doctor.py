@@ -51,9 +51,6 @@ class Check(NamedTuple):
     package: str  # to install anew if nothing better is known
 
 
-@cli.command(
-    "say what works here: physics, pictures, films, reports, installed packages"
-)
 def doctor(options: argparse.Namespace) -> ExitCode:
     """Check every part; ends with 0 if all work, else with the code of the first."""
     findings, lines = {}, []
@@ -216,14 +213,6 @@ CHECKS = {
 }
 
 
-@cli.command(
-    "measure speed and memory, side by side with what they are compared to",
-    cli.flag(
-        "--sweeps", "measure sweeps instead, against a bare batch (extra `sweep`)"
-    ),
-    cli.flag("--peers", "compare plans with those of OMPL and CasADi (extra `peers`)"),
-    extra="peers",
-)
 def bench(options: argparse.Namespace) -> None:
     """Print every measurement when it is done."""
     if options.peers:

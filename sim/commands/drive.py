@@ -24,34 +24,6 @@ LONGEST, MOST = 10_000, 10_000  # characters of a line, and poses that wait to b
 REPLY = 0.02  # [s], for an answer to a command that is written out of real time
 
 
-@cli.command(
-    "walk a robot that is not simulated: commands go out, poses come back",
-    *cli.scenario_options(),
-    cli.option(
-        "--poses",
-        metavar="FILE",
-        default="-",
-        help='lines of {"time", "x", "y", "yaw"} in s, m, rad; - is standard input',
-    ),
-    cli.option(
-        "--commands",
-        metavar="FILE",
-        default="-",
-        help='lines of {"time": s, "ctrl": {joint: rad}}; - is standard output',
-    ),
-    cli.option(
-        "--pace",
-        type=cli.real("a pace", 1.0),
-        default=1.0,
-        help="speed in times real time; 0 writes as fast as poses come",
-    ),
-    cli.option(
-        "--patience",
-        type=cli.real("a time", 2.0, zero=False),
-        default=2.0,
-        help="seconds to stand still for a pose; then it counts as not seen",
-    ),
-)
 def drive(options: argparse.Namespace) -> None:
     """Drive the robot to the end of the scenario's path."""
     scenario = cli.scenario_of(options)

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from sim.commands import options as cli
-from sim.commands.walks import TOLERANCE, judged
+from sim.commands.walks import judged
 from sim.endings import again, keeping
 from sim.errors import ExitCode, UsageError
 from sim.progress import Progress, bar
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from sim.export.servo_commands import ServoCommands
     from sim.export.source import Source
 
-FORMATS = ("csv", "header", "ros2", "dynamixel")
 RATE = 50.0  # commands a second of a walk without a rate, as most hobby servos take
 WORTH_TELLING = 0.005  # of the path, which an export costs
 COARSE = (
@@ -29,30 +28,6 @@ COARSE = (
 )
 
 
-@cli.command(
-    "write a walk for the servos of a robot, read it back and play it in MuJoCo",
-    *cli.scenario_options(
-        "RUN|SCENARIO", "a run folder, a shipped scenario, or the file of one"
-    ),
-    cli.option(
-        "--format", choices=FORMATS, required=True, help="what the servos understand"
-    ),
-    cli.option("--out", metavar="FILE", required=True, help="file to write"),
-    cli.option(
-        "--rate",
-        type=cli.real("a rate", 50, zero=False),
-        metavar="N",
-        help="commands a second, where the walk has no rate of its own; otherwise 50",
-    ),
-    cli.flag("--microseconds", "a header of pulses in microseconds instead of counts"),
-    cli.option(
-        "--servo-table", metavar="FILE.yaml", help="servos as ROS packages list them"
-    ),
-    TOLERANCE,
-    cli.switch(
-        "--play", "play what was written in the physics, and compare", default=True
-    ),
-)
 def export(options: argparse.Namespace) -> ExitCode:
     """Export the walk and print where the export leads."""
     out = Path(options.out)
@@ -126,9 +101,8 @@ def _source(options: argparse.Namespace, progress: Progress) -> Source:
 
     folder = Path(options.scenario)
     if folder.is_dir():
-        named = (key for key in cli.NAMED if getattr(options, key, None))
-        given = [f"--{key.replace('_', '-')}" for key in named]
-        if given := [*given, *(["--set"] if options.set else [])]:
+        given = [*cli.given_settings(options).values()]
+        if given := given + ["--set"] * bool(options.set):
             what = f"{', '.join(given)} for a run, which is exported as it was walked"
             remedy = "give the scenario instead, or leave these options out"
             raise UsageError(what, options.scenario, remedy)

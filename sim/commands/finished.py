@@ -22,21 +22,14 @@ if TYPE_CHECKING:
     from sim.runs.run import Run
 
 FILMS = (".mp4", ".webp")
-CAMERAS = "across, follow, top, front, back, left, right or AZIMUTH,ELEVATION [degrees]"
 PORTS = 65535
 ALWAYS = ("stratawalk", "goodwine2000")
 OF_PREDICTIONS = {
     "quasi_static": ("murphey2006", "hatton2025"),
     "compliant": ("alart1991",),
 }
-BROWSER = cli.switch("--browser", "open it; by default where there is a display")
 
 
-@cli.command(
-    "draw the report of a finished run, and open it where there is a display",
-    cli.RUN,
-    BROWSER,
-)
 def show(options: argparse.Namespace) -> None:
     """Draw the report, print its path and open it."""
     from sim.folder import blamed_on
@@ -62,24 +55,6 @@ def _open(address: str, wanted: bool | None) -> None:
         cli.notice(f"no browser found for {address}", "warning")
 
 
-@cli.command(
-    "film a finished run, or a stretch of it, from any side",
-    cli.RUN,
-    cli.option("--camera", default="across", metavar="VIEW", help=CAMERAS),
-    cli.option(
-        "--from", dest="start", type=float, metavar="S", help="begin [s]; or the start"
-    ),
-    cli.option(
-        "--to", dest="stop", type=float, metavar="S", help="end [s]; or the end"
-    ),
-    cli.LOOK,
-    cli.option(
-        "--out",
-        metavar="FILE",
-        help="film in .mp4 or small animated picture in .webp; by default video.mp4 of "
-        "the run, anew, or for a stretch of time a name beside it",
-    ),
-)
 def film(options: argparse.Namespace) -> None:
     """Film the run and print the film's path."""
     path = _new_film(options.out)
@@ -116,28 +91,6 @@ def _new_film(out: str | None) -> Path | None:
     return path
 
 
-@cli.command(
-    "look at a finished run in three dimensions, in a browser",
-    cli.RUN,
-    cli.option(
-        "--port", type=int, default=0, metavar="N", help="port; or a free one from 8080"
-    ),
-    cli.option(
-        "--host",
-        default="127.0.0.1",
-        metavar="ADDRESS",
-        help="address to listen on; by default this machine alone",
-    ),
-    cli.flag("--public", "let others connect to --host; nothing is encrypted"),
-    cli.option(
-        "--speed", type=float, default=1.0, metavar="X", help="against real time, 1"
-    ),
-    cli.flag(
-        "--replay",
-        "write replay.html into the run instead, one file that needs no server",
-    ),
-    BROWSER,
-)
 def view(options: argparse.Namespace) -> None:
     """Serve the viewer until Ctrl-C, or write the replay."""
     if options.replay:
@@ -173,10 +126,6 @@ def _write_replay(options: argparse.Namespace) -> None:
     _open(path.resolve().as_uri(), options.browser)
 
 
-@cli.command(
-    "print what to cite: the program and the paper, or all that a run has used",
-    cli.option("run", metavar="RUN", nargs="?", help="folder of a finished run"),
-)
 def cite(options: argparse.Namespace) -> None:
     """Print BibTeX entries."""
     keys, made = list(ALWAYS), version("stratawalk")

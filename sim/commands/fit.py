@@ -22,25 +22,6 @@ if TYPE_CHECKING:
 MILLI, MILLI_UNITS = 1e3, {"rad": "mrad", "s": "ms"}  # in tables
 
 
-@cli.command(
-    "estimate servos, load and floor from logs and walks, with standard errors",
-    cli.option(
-        "sources",
-        metavar="ROBOT|RUN|LOG",
-        nargs="+",
-        help="the robot, if there are logs in files, and logs or folders of runs",
-    ),
-    cli.option("--out", metavar="CARD.toml", help="card to write, with what was found"),
-    cli.switch("--walking", "whether its feet carry it; by default if logs have poses"),
-    cli.option(
-        "--units",
-        choices=("radians", "degrees"),
-        default="radians",
-        help="what angles of logs are in",
-    ),
-    cli.TRUST,
-    cli.set_option("what is known of the robot, such as friction=0.5"),
-)
 def fit(options: argparse.Namespace) -> None:
     """Fit servos and what moves the body, print both, and write a card if asked for."""
     from sim.fitting.fitting import card_text, check_free, fit_joints, write_card

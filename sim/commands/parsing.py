@@ -4,23 +4,13 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from importlib import import_module
 from typing import NoReturn
 
 from planner.support import did_you_mean
-from sim.commands import options as cli
+from sim.commands.declared import COMMANDS, declare
+from sim.commands.options import report
 from sim.errors import UsageError
 
-COMMANDS = {  # in the order of help, and the module that each is in
-    "run": "walks", "play": "walks", "show": "finished", "film": "finished",
-    "view": "finished", "compare": "comparing", "sweep": "studies",
-    "merge": "studies", "study": "studies", "design": "studies", "plan": "plan",
-    "export": "export", "calibrate": "calibrate", "drive": "drive", "check": "systems",
-    "identify": "robots", "fit": "fit", "sensitivities": "comparing",
-    "figures": "comparing", "robots": "robots", "adopt": "robots",
-    "systems": "systems", "scenarios": "systems", "bench": "doctor",
-    "doctor": "doctor", "completion": "parsing", "cite": "finished",
-}  # fmt: skip
 DESCRIPTION = "Plan how a legged robot walks from its equations, and walk it in MuJoCo."
 EPILOG = (
     "stratawalk help COMMAND explains a command; docs/glossary.md defines the terms."
@@ -97,19 +87,10 @@ def parser() -> Parser:
         "--version", action=Version, nargs=0, help="print the version and end"
     )
     commands = stratawalk.add_subparsers(metavar="COMMAND", required=True)
-    for name, module in COMMANDS.items():
-        found: cli.Command = getattr(import_module(f"sim.commands.{module}"), name)
-        own = commands.add_parser(
-            name, help=found.help, description=found.help, allow_abbrev=False
+    for name, declared in COMMANDS.items():
+        declare(
+            commands.add_parser(name, help=declared["help"], allow_abbrev=False), name
         )
-        for add_option in found.options:
-            add_option(own)
-        own.epilog = found.epilog
-        own.add_argument("--json", action="store_true", help="print JSON alone")
-        own.add_argument(
-            "--debug", action="store_true", help="show the traceback of an error"
-        )
-        own.set_defaults(execute=found)
     return stratawalk
 
 
@@ -153,12 +134,6 @@ def _refuse_option(word: str, where: str, known: Sequence[str]) -> NoReturn:
     raise UsageError(f"unknown option {option}", where, did_you_mean(option, known))
 
 
-@cli.command(
-    "print a script that completes this command's words in a shell",
-    cli.option("shell", choices=("bash", "zsh", "tcsh"), help="the shell it is for"),
-    epilog="To install it for good: stratawalk completion bash > "
-    "~/.local/share/bash-completion/completions/stratawalk",
-)
 def completion(options: argparse.Namespace) -> None:
     """Print the script; `shtab` writes it from our parser."""
     import shtab
@@ -170,7 +145,7 @@ def completion(options: argparse.Namespace) -> None:
     shipped = {"SCENARIO": shipped_scenarios(), "SYSTEM": tuple(SYSTEMS)}
     _name_what_is_shipped(commands, shipped | {"ROBOT": robots, "NAME": robots})
     script = shtab.complete(commands, shell)
-    cli.report(options, {"shell": shell, "script": script}, script)
+    report(options, {"shell": shell, "script": script}, script)
 
 
 def _name_what_is_shipped(

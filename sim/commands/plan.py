@@ -46,24 +46,6 @@ SETTLED = dict.fromkeys(
 )
 
 
-def _for_systems(parser: argparse.ArgumentParser) -> None:
-    group = parser.add_argument_group("for systems")
-    for name, metavar, about in (
-        ("--start", "NAME=VALUE", "coordinates at the start"),
-        ("--goal", "NAME=VALUE", "coordinates at the goal"),
-        ("--elements", "ELEMENT", "fields and brackets to steer by: g1 g2 [g1,g2]"),
-        ("--free", "NAME", "coordinates that need not keep near an optimised path"),
-    ):
-        group.add_argument(name, metavar=metavar, nargs="+", help=about)
-    group.add_argument("--save", metavar="FILE.json", help="keep the plan")
-
-
-@cli.command(
-    "plan a scenario or a system and play it on the exact kinematics",
-    *cli.scenario_options("SCENARIO|SYSTEM"),
-    _for_systems,
-    cli.flag("--flows", "print every flow as well"),
-)
 def plan(options: argparse.Namespace) -> None:
     """Plan the scenario or the system and print the result."""
     from planner import load_plan, save_plan

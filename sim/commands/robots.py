@@ -20,12 +20,6 @@ BUDGET = 30.0  # [s] of the processor, to adopt a robot
 PLACES = (-1.0, 0.0, 1.0)  # of the span at which measured twists are shown
 
 
-@cli.command(
-    "list the shipped robots, or check one and show it in numbers",
-    *cli.robot_options(
-        "a shipped robot, or your FILE.xml with its card (docs/robots.md)", nargs="?"
-    ),
-)
 def robots(options: argparse.Namespace) -> None:
     """Print names and descriptions, or everything about one robot."""
     if options.robot is not None:
@@ -58,12 +52,6 @@ def _show(options: argparse.Namespace) -> None:
     cli.report(options, found, describe(found))
 
 
-@cli.command(
-    "draft the card of a robot in MJCF or URDF: legs, groups, posture, servos",
-    *cli.robot_options(
-        "an MJCF or URDF file, or a model folder of MuJoCo Menagerie", "FILE"
-    ),
-)
 def adopt(options: argparse.Namespace) -> None:
     """Draft the card, try whether the robot stands, and write it beside the file."""
     from models import ModelError, shipped_robots
@@ -131,11 +119,6 @@ def _adopted(options: argparse.Namespace) -> tuple[Source, Draft, Setup, list[Pa
     return source, draft, setup, [*model, card, picture]
 
 
-@cli.command(
-    "measure a robot's fields by short experiments in the physics",
-    *cli.robot_options("a shipped robot, or a FILE.xml"),
-    cli.set_option("any setting of a scenario, such as friction=0.5"),
-)
 def identify(options: argparse.Namespace) -> None:
     """Measure, and print every field at three places of its swing."""
     from sim.preparation.setup import prepare

@@ -15,60 +15,15 @@ from sim.commands import options as cli
 from sim.endings import again, keeping
 from sim.errors import ExitCode, UsageError
 from sim.progress import bar, stage
-from sim.scenarios.predictions import LABELS, prediction_key
+from sim.scenarios.predictions import prediction_key
 
 if TYPE_CHECKING:
-    from sim.sweeps.folder import Shard
     from sim.sweeps.sweeping import Result
 
 PRINTED = 5  # reasons of failed points, at most
-MOST_WORKERS = 256  # more are for a cluster, with a scheduler
 PAGES = (".html", ".htm")
 
 
-def _shard(text: str) -> Shard:
-    from sim.sweeps.folder import Shard
-
-    number, _, count = text.partition("/")
-    if not (number.isdecimal() and count.isdecimal()):
-        raise argparse.ArgumentTypeError(f"{text} is not I/N; give 1/4, say")
-    try:
-        return Shard(int(number), int(count))
-    except UsageError as error:  # which argparse would take for a ValueError of its own
-        raise argparse.ArgumentTypeError(f"{error.what}; {error.remedy}") from error
-
-
-@cli.command(
-    "walk a scenario with many settings, into one table; what is done is never lost",
-    cli.option(
-        "file",
-        metavar="FILE.toml",
-        help="which scenario, what varies; or a shipped study",
-    ),
-    cli.option(
-        "--out", metavar="DIR", required=True, help="folder of the sweep, to be made"
-    ),
-    cli.flag("--resume", "walk only what is not done yet; begin if there is nothing"),
-    cli.flag(
-        "--force-mix", "keep points in a table although sweep or versions have changed"
-    ),
-    cli.option(
-        "--workers",
-        type=cli.whole(1, MOST_WORKERS),
-        metavar="N",
-        help="processes on this machine; one a core if not given",
-    ),
-    cli.option(
-        "--scheduler", metavar="ADDRESS", help="Dask scheduler whose workers to take"
-    ),
-    cli.option(
-        "--shard",
-        type=_shard,
-        metavar="I/N",
-        help="walk the I-th of N equal parts alone, I from 1; `merge` joins them",
-    ),
-    extra="sweep",
-)
 def sweep(options: argparse.Namespace) -> ExitCode:
     """Walk what is not done yet, write the table, and say what failed."""
     from sim.sweeps.file import read_sweep
@@ -107,18 +62,6 @@ def sweep(options: argparse.Namespace) -> ExitCode:
     return _print_result(options, result, folder.table)
 
 
-@cli.command(
-    "join what `sweep --shard` has walked to one table",
-    cli.option(
-        "folders", metavar="DIR", nargs="+", help="folders of the sweep's shards"
-    ),
-    cli.option(
-        "--out",
-        metavar="DIR",
-        help="where the table goes; the first folder if not given",
-    ),
-    extra="sweep",
-)
 def merge(options: argparse.Namespace) -> ExitCode:
     """Write the table of all shards, and say what failed."""
     from sim.sweeps.sweeping import merge
@@ -146,24 +89,6 @@ def _print_result(options: argparse.Namespace, result: Result, table: Path) -> E
     return ExitCode.SWEEP if result.failed else ExitCode.OK
 
 
-@cli.command(
-    "map where the predictions of a sweep hold, and tell which settings matter",
-    cli.option(
-        "table", metavar="TABLE", help="table of a sweep, or the sweep's folder"
-    ),
-    cli.option(
-        "--prediction",
-        choices=LABELS,
-        default="quasi-static",
-        help="prediction that the walks are compared with",
-    ),
-    cli.option(
-        "--out",
-        metavar="DIR|FILE.html",
-        help="folder of maps, or page with worst and best walks; or `maps` beside it",
-    ),
-    extra="sweep",
-)
 def study(options: argparse.Namespace) -> None:
     """Print what a sweep has found, and draw its maps."""
     from sim.folder import RunFolder, blamed_on, ensure_folder
@@ -196,22 +121,6 @@ def study(options: argparse.Namespace) -> None:
     cli.report(options, asdict(found) | made, found, *lines)
 
 
-@cli.command(
-    "how few joints suffice: swings locked or coupled, legs lifted in groups",
-    *cli.robot_options("a shipped robot, or MJCF with a card"),
-    cli.option(
-        "--walks",
-        type=cli.whole(0),
-        default=20,
-        metavar="N",
-        help="how many designs to walk, the fewest joints first; 20 if not given",
-    ),
-    cli.option(
-        "--designs", type=cli.whole(1), metavar="N", help="look at the first N alone"
-    ),
-    cli.option("--out", metavar="FILE", help="Parquet table of all designs"),
-    extra="sweep",
-)
 def design(options: argparse.Namespace) -> None:
     """Check every design, walk those that go everywhere, and print the table."""
     from sim.studies.designing import designs, tried

@@ -23,12 +23,6 @@ Loads = Mapping[str, tuple[float, float]]  # by stratum: at rest, and at best
 SUFFIXES = (".toml", ".py")
 
 
-@cli.command(
-    "list the shipped scenarios, or print one with all its settings",
-    cli.option(
-        "scenario", metavar="SCENARIO", nargs="?", help="print this one as TOML"
-    ),
-)
 def scenarios(options: argparse.Namespace) -> None:
     """Print the list, or one scenario."""
     from sim.scenarios.file import dumps, load_scenario, shipped_scenarios, to_table
@@ -42,12 +36,6 @@ def scenarios(options: argparse.Namespace) -> None:
     cli.report(options, [to_table(one) for one in every], *lines)
 
 
-@cli.command(
-    "list the shipped systems and their parameters",
-    cli.option(
-        "system", metavar="SYSTEM", nargs="?", help="one of them; otherwise all"
-    ),
-)
 def systems(options: argparse.Namespace) -> None:
     """Print names, descriptions and parameters."""
     from models import SYSTEMS, shipped_system
@@ -138,25 +126,6 @@ def refused(where: str) -> Iterator[None]:
         raise UsageError.at(where, error, "see docs/systems.md") from error
 
 
-@cli.command(
-    "test a system's or robot's gait for controllability (ends with 0 either way)",
-    cli.option(
-        "system",
-        metavar="SYSTEM|ROBOT",
-        help="a shipped system or robot, a TOML or Python file, or MJCF with a card",
-    ),
-    cli.TRUST,
-    cli.option(
-        "--gait", metavar="STRATUM", nargs="+", help="strata in order, the first again"
-    ),
-    cli.option(
-        "--at", metavar="NAME=VALUE", nargs="+", help="coordinates; else the start's"
-    ),
-    cli.option(
-        "--depth", type=int, metavar="N", help="highest degree of brackets to form"
-    ),
-    cli.set_option("a parameter of the system"),
-)
 def check(options: argparse.Namespace) -> None:
     """Test the gait by both criteria of Sec. 4 and print the results."""
     from models.systems import configuration

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import math
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
@@ -22,45 +21,7 @@ if TYPE_CHECKING:
     from sim.logs.log import Log, Reader
     from sim.scenarios.scenario import Scenario
 
-DEFAULT = 0.25  # of the path, the tolerance
-UNITS = ("radians", "degrees", "counts", "microseconds")
-VIDEO = cli.switch("--video", "film the walk; by default if this machine can draw")
 
-
-def _share(text: str) -> float:
-    return math.inf if text == "none" else cli.real("a share", 0.05)(text)
-
-
-TOLERANCE = cli.option(
-    "--tolerance",
-    type=_share,
-    default=DEFAULT,
-    metavar="RATIO|none",
-    help="end with 7 where a walk ends farther from its goal, or comes farther off its "
-    f"prediction, than this share of the path; otherwise {DEFAULT}",
-)
-
-
-@cli.command(
-    "plan a scenario, walk it in MuJoCo, compare the two and film it",
-    *cli.scenario_options(),
-    cli.option(
-        "--out", metavar="DIR", help="run folder to make; otherwise runs/SCENARIO-NNN"
-    ),
-    VIDEO,
-    *(
-        cli.setting_option(name, cli.whole(0) if name == "draw" else int)
-        for name in cli.OF_RUN
-    ),
-    TOLERANCE,
-    cli.LOOK,
-    cli.option(
-        "--tries",
-        type=cli.whole(1),
-        metavar="N",
-        help="walk N draws of imperfections, of hobby if none are named",
-    ),
-)
 def run(options: argparse.Namespace) -> ExitCode:
     """Walk the scenario and print how it went."""
     scenario = cli.scenario_of(options)
@@ -144,36 +105,6 @@ def _can_film(wanted: bool | None) -> bool:
     return True
 
 
-@cli.command(
-    "play joint motion from elsewhere in MuJoCo: a gait, or the log of a robot",
-    *cli.robot_options("a shipped robot, or an MJCF file", "NAME|FILE.xml"),
-    cli.option(
-        "files",
-        metavar="FILE",
-        nargs="+",
-        help="CSV of time [s] and a column a joint; several are trials of one motion",
-    ),
-    cli.option(
-        "--units",
-        choices=UNITS,
-        default=UNITS[0],
-        help="of joints' columns; counts and microseconds by the card's servo table",
-    ),
-    cli.option(
-        "--repeat",
-        type=cli.whole(1),
-        default=1,
-        metavar="N",
-        help="play a period that ends as it begins so many times",
-    ),
-    cli.option(
-        "--out", metavar="DIR", help="run folder to make; otherwise runs/FILE-NNN"
-    ),
-    VIDEO,
-    cli.LOOK,
-    cli.set_option("replace a setting, as in run"),
-    TOLERANCE,
-)
 def play(options: argparse.Namespace) -> ExitCode:
     """Play the motion and print how it went."""
     from sim.folder import claim
@@ -185,8 +116,9 @@ def play(options: argparse.Namespace) -> ExitCode:
     files = [Path(name) for name in options.files]
     scenario = scenario_of(robot, files[0], cli.settings_of(options))
     angles: Reader | str = options.units
-    if options.units in UNITS[2:]:
-        angles = _by_servo_table(robot, scenario, pulses=options.units == UNITS[3])
+    if options.units in ("counts", "microseconds"):
+        pulses = options.units == "microseconds"
+        angles = _by_servo_table(robot, scenario, pulses)
     logs = [read_log(file, robot.card.joints, robot.legs, angles) for file in files]
     try:
         log = together(logs)

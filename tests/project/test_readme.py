@@ -10,7 +10,8 @@ import pytest
 from models.library import shipped_robots
 from models.systems.catalogue import SYSTEMS
 from sim.cli import main
-from sim.commands.parsing import COMMANDS, parser
+from sim.commands.declared import COMMANDS
+from sim.commands.parsing import parser
 from sim.evaluation.quantities import HEADER
 from sim.scenarios.file import load_scenario, shipped_scenarios
 from sim.scenarios.predictions import LABELS

@@ -14,7 +14,7 @@ import pytest
 
 from planner.errors import PlannerError
 from sim import cli
-from sim.commands.parsing import COMMANDS
+from sim.commands.declared import COMMANDS
 from sim.errors import exit_code, one_line
 from sim.scenarios.file import load_scenario, shipped_scenarios
 from tests.commands import COMMAND, OUTSIDE, refusal, told
@@ -245,12 +245,12 @@ def test_signal_ends_a_run_with_one_line_and_whole_files(tmp_path, sent, code):
 def test_a_dropped_connection_does_not_end_a_command_after_nohup(tmp_path):
     program = (
         "import os, signal, sys, sim.start\n"
-        "from sim.commands.systems import scenarios\n"
-        "list_them = scenarios.execute\n"
-        "def execute(options):\n"
+        "from sim.commands import systems\n"
+        "list_them = systems.scenarios\n"
+        "def scenarios(options):\n"
         "    os.kill(os.getpid(), signal.SIGHUP)\n"
         "    list_them(options)\n"
-        "object.__setattr__(scenarios, 'execute', execute)\n"
+        "systems.scenarios = scenarios\n"
         "sys.argv = ['stratawalk', 'scenarios']\n"
         "sys.exit(sim.start.main())\n"
     )

@@ -12,7 +12,7 @@ import pytest
 
 from models.library import shipped_robots
 from sim.cli import main
-from sim.commands.parsing import COMMANDS
+from sim.commands.declared import COMMANDS
 from sim.scenarios.file import shipped_scenarios
 
 

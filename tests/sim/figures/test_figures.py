@@ -10,7 +10,7 @@ from PIL import Image
 
 from planner.errors import PlannerError, RangeError
 from sim.cli import main
-from sim.commands.parsing import COMMANDS
+from sim.commands.declared import COMMANDS
 from sim.figures import (
     NAMES,
     corridor,
