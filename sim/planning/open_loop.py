@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import accumulate
+from math import ceil, floor
 
 import numpy as np
 
@@ -144,10 +145,12 @@ def _count(setup: Setup, group: int, angle: float) -> float:
             resolution *= counts
             break
     low, high = setup.equations.limits[f"phi_{robot.groups[group]}"]
+    inside = np.array([low - RANGE_ROUNDING, high + RANGE_ROUNDING])
+    first, last = np.sort((standing + gain * inside) / resolution)
     count = np.round((standing + gain * angle) / resolution)
-    around = (resolution * (count + np.array([0, 1, -1])) - standing) / gain
-    within = (around >= low - RANGE_ROUNDING) & (around <= high + RANGE_ROUNDING)
-    return float(around[within][np.abs(around[within] - angle).argmin()])
+    return float(
+        (resolution * np.clip(count, ceil(first), floor(last)) - standing) / gain
+    )
 
 
 def _joined(setup: Setup, plans: list[Plan]) -> Plan:
