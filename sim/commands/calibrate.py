@@ -57,24 +57,21 @@ def _prepare(
     robot: Robot, kind: ServoKind, folder: RunFolder, options: argparse.Namespace
 ) -> None:
     """Write what jogs the servos, and the page with the pictures of the joints."""
-    from importlib.resources import files
-
     from models.description import BOARD_CLOCK, board_divider, board_rate
     from sim.export.calibration import draw, marks, sheet
+    from sim.export.header import filled
     from sim.reports.templates import render
 
     tool = SKETCH if kind.signal == "pulse" else SCRIPT
-    text = files("sim.export").joinpath(tool.replace(".py", ".txt")).read_text()
     rate = kind.command_rate
-    numbers = {
-        "@CLOCK@": f"{BOARD_CLOCK:.0f}",
-        "@RATE@": f"{board_rate(rate):.6f}",
-        "@DIVIDER@": str(board_divider(rate)),
-        "@MIDDLE@": str(kind.at_rate(board_rate(rate)).center),
-        "@JOG@": str(JOG),
-    }
-    for name, value in numbers.items():
-        text = text.replace(name, value)
+    text = filled(
+        tool.replace(".py", ".txt"),
+        CLOCK=f"{BOARD_CLOCK:.0f}",
+        RATE=f"{board_rate(rate):.6f}",
+        DIVIDER=board_divider(rate),
+        MIDDLE=kind.at_rate(board_rate(rate)).center,
+        JOG=JOG,
+    )
     folder.write_text(tool, text)
     if (folder.path / PAGE).exists():
         return

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from importlib.resources import files
 from itertools import islice
 from textwrap import wrap
 
@@ -23,93 +24,10 @@ from sim.export.servo_table import ServoTable
 LONGEST_RUN = 255  # commands that a row holds
 ITSELF = 128  # instead of a change: the pulse follows
 WIDTH = 88  # of a line of bytes
-PLAYER = """\
-/* A player for Arduino, with the Adafruit PWM Servo Driver Library:
-
-#include <Adafruit_PWMServoDriver.h>
-#include "{file}"
-
-Adafruit_PWMServoDriver board;
-uint16_t row[{NAME}_JOINTS];
-uint32_t command = 0, begun;
-
-void setup() {{
-  board.begin();
-  board.setOscillatorFrequency({NAME}_CLOCK);
-  board.setPWMFreq({NAME}_FRAME_RATE);
-  begun = micros();
-}}
-
-void loop() {{
-  if (micros() - begun < command * (1e6 / {NAME}_RATE)) return;
-  uint8_t held = {name}_next(row);
-  if (!held) return;
-  for (uint8_t i = 0; i < {NAME}_JOINTS; i++)
-    board.{call};
-  command += held;
-}}
-*/
-"""
-COUNTS = "setPWM({name}_channel[i], 0, row[i])"
-MICROSECONDS = "writeMicroseconds({name}_channel[i], row[i])"
-HEADER = """\
-// {title}
-// {commands} commands of {joints} servos, {rate!r} a second; {size} bytes.
-// Pulses {unit} at {frame_rate!r} frames a second, in the order of the channels:
-{listed}
-{player}
-#ifndef {NAME}_H
-#define {NAME}_H
-
-#include <stdint.h>
-#ifdef ARDUINO
-#include <Arduino.h>
-#endif
-#ifndef PROGMEM
-#define PROGMEM
-#define pgm_read_byte(place) (*(place))
-#endif
-
-#define {NAME}_RATE {rate!r}
-#define {NAME}_FRAME_RATE {frame_rate!r}
-#define {NAME}_CLOCK {clock}
-#define {NAME}_COMMANDS {commands}
-#define {NAME}_JOINTS {joints}
-#define {NAME}_BYTES {size}
-
-static const uint8_t {name}_channel[{joints}] = {{{channels}}};
-
-static const uint8_t PROGMEM {name}[{size}] = {{
-{bytes}
-}};
-
-static uint32_t {name}_place = 0;
-
-static inline uint8_t {name}_byte(void) {{
-  return pgm_read_byte(&{name}[{name}_place++]);
-}}
-
-/* Brings a row of pulses up to date; for how many commands it holds, 0 at the end. */
-static inline uint8_t {name}_next(uint16_t *row) {{
-  uint8_t changed[({joints} + 7) / 8], held, i;
-  if ({name}_place >= {NAME}_BYTES) return 0;
-  held = {name}_byte();
-  for (i = 0; i < sizeof changed; i++) changed[i] = {name}_byte();
-  for (i = 0; i < {joints}; i++) {{
-    if (!(changed[i / 8] >> (i % 8) & 1)) continue;
-    int8_t step = (int8_t){name}_byte();
-    if (step != -128) {{
-      row[i] += step;
-      continue;
-    }}
-    row[i] = {name}_byte();
-    row[i] |= (uint16_t){name}_byte() << 8;
-  }}
-  return held;
-}}
-
-#endif
-"""
+CALLS = {  # of the board's library, for pulses in counts and in microseconds
+    False: "setPWM({}_channel[i], 0, row[i])",
+    True: "writeMicroseconds({}_channel[i], row[i])",
+}
 SIZES = re.compile(r"^#define \w+_(RATE|FRAME_RATE|COMMANDS|JOINTS) (\S+)", re.M)
 BYTES = re.compile(r"^static const uint8_t PROGMEM \w+\[\d+\] = \{\n([^}]*)\n\};", re.M)
 CHANNELS = re.compile(r"^static const uint8_t \w+_channel\[\d+\] = \{(.*?)\};", re.M)
@@ -123,12 +41,13 @@ def write_header(
     A row is a command and a column a channel; their changes lie in PROGMEM.
     """
     counts, name = table.counts(commands), identifier(name)
-    names, packed = {"name": name, "NAME": name.upper()}, pack(counts)
-    call = (MICROSECONDS if table.microseconds else COUNTS).format(**names)
     numbers = [str(servo.channel) for servo in table.channels]
     listed = [f"//   {s.channel:2}  {in_comment(s.joint)}" for s in table.channels]
-    return HEADER.format(
-        **names,
+    packed = pack(counts)
+    return filled(
+        "header.h",
+        name=name,
+        NAME=name.upper(),
         title=in_comment(title),
         commands=len(counts),
         joints=len(numbers),
@@ -138,10 +57,17 @@ def write_header(
         size=len(packed),
         unit="in microseconds" if table.microseconds else "in counts of 4096 a frame",
         listed="\n".join(listed),
-        player=PLAYER.format(**names, file=in_comment(file), call=call),
+        file=in_comment(file),
+        call=CALLS[table.microseconds].format(name),
         channels=", ".join(numbers),
-        bytes="\n".join(wrap(",".join(map(str, packed)).replace(",", ", "), WIDTH)),
+        bytes="\n".join(wrap(", ".join(map(str, packed)), WIDTH)),
     )
+
+
+def filled(template: str, /, **values: object) -> str:
+    """A file of this folder with values in the places that it marks, `@name@`."""
+    text = (files("sim.export") / template).read_text()
+    return re.sub(r"@(\w+)@", lambda place: str(values[place[1]]), text)
 
 
 def read_header(text: str, table: ServoTable) -> ServoCommands:
