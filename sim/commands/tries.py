@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, astuple, dataclass, fields, replace
 from statistics import median
 
@@ -14,7 +14,7 @@ from sim.endings import again, keeping
 from sim.errors import ExitCode, StratawalkError, one_line
 from sim.evaluation.quantities import CLAIMED, MARGIN, POSITION, ROWS, WRONG, YAW
 from sim.evaluation.verdict import FAILURES
-from sim.folder import RunFolder, csv_text
+from sim.folder import RunFolder, claim, csv_text
 from sim.progress import Progress, bar
 from sim.run_folder import run
 from sim.scenarios.scenario import Scenario
@@ -49,9 +49,13 @@ class Try:
 
 
 def tries_of(
-    scenario: Scenario, robot: Robot, folder: RunFolder, options: argparse.Namespace
+    scenario: Scenario, robot: Robot, options: argparse.Namespace, said: Iterable[str]
 ) -> ExitCode:
-    """Walk draws one after another; the worst and the median are printed."""
+    """Walk draws one after another; the worst and the median are printed.
+
+    What is `said` beforehand is noticed once there is a folder.
+    """
+    folder = claim(cli.folder_of(options), scenario.name)
     draws = range(scenario.draw, scenario.draw + options.tries)
 
     def kept() -> str:
@@ -61,8 +65,11 @@ def tries_of(
         on = again(*rest, *cli.elsewhere(options.out))
         return f"{done} of {len(draws)} draws are kept in {table}, go on: {on}"
 
-    with bar(quiet=options.json) as progress, keeping(kept):
-        tries = walk_tries(scenario, robot, folder, draws, progress)
+    with keeping(kept):
+        for line in said:
+            cli.notice(line)
+        with bar(quiet=options.json) as progress:
+            tries = walk_tries(scenario, robot, folder, draws, progress)
     lines = [*describe(tries, scenario.path.length), "", f"{'folder':13}{folder.path}"]
     cli.report(options, [asdict(one) for one in tries], *lines)
     return judged_tries(tries, options.tolerance, f"see {folder.path}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -17,7 +17,6 @@ from sim.progress import bar
 if TYPE_CHECKING:
     from models import Robot
     from sim.evaluation.summary import Summary, Weighed
-    from sim.folder import RunFolder
     from sim.logs.log import Log, Reader
     from sim.scenarios.scenario import Scenario
 
@@ -26,7 +25,6 @@ def run(options: argparse.Namespace) -> ExitCode:
     """Walk the scenario and print how it went."""
     scenario = cli.scenario_of(options)
 
-    from sim.folder import claim
     from sim.scenarios.predictions import PREDICTIONS, who_ignores
     from sim.scenarios.scenario import drawn
     from sim.world.changes import changes
@@ -35,32 +33,36 @@ def run(options: argparse.Namespace) -> ExitCode:
     look = options.look if _can_film(options.video) else None
     if options.tries is not None and scenario.imperfect is None:
         scenario = replace(scenario, imperfect="hobby")
-    folder = claim(cli.folder_of(options), scenario.name)
     as_drawn = drawn(scenario, robot)
     ignored = {key: each.ignored(as_drawn) for key, each in PREDICTIONS.items()}
-    if words := who_ignores(ignored):
-        cli.notice(f"predictions ignore {words}")
+    words = who_ignores(ignored)
+    said = [f"predictions ignore {words}"] if words else []
     if options.tries is not None:
         from sim.commands.tries import tries_of
 
-        return tries_of(scenario, robot, folder, options)
+        return tries_of(scenario, robot, options, said)
     if robot.opened.files:
-        for change in changes(robot, as_drawn):
-            cli.notice(f"{change}: {robot.path}")
-    return _walk(scenario, robot, folder, look, options)
+        said += [f"{change}: {robot.path}" for change in changes(robot, as_drawn)]
+    return _walk(scenario, robot, look, options, said)
 
 
 def _walk(
     scenario: Scenario,
     robot: Robot,
-    folder: RunFolder,
     look: str | None,
     options: argparse.Namespace,
+    said: Iterable[str],
     log: Log | None = None,
 ) -> ExitCode:
-    """Walk a scenario or a log into a folder, print how it went, and judge it."""
+    """Walk a scenario or a log into a folder, print how it went, and judge it.
+
+    What is `said` beforehand is noticed once there is a folder.
+    """
     from sim.evaluation.quantities import describe
+    from sim.folder import claim
     from sim.run_folder import run
+
+    folder = claim(cli.folder_of(options), scenario.name)
 
     def kept() -> str:
         if (folder.path / "summary.json").exists():
@@ -68,24 +70,27 @@ def _walk(
             return f"the walk is complete, go on: stratawalk {on} {folder.path}"
         return cli.kept_in(folder.path, options.out)
 
-    try:
-        with bar(quiet=options.json) as progress, keeping(kept):
-            summary = run(
-                scenario,
-                folder,
-                robot=robot,
-                look=look,
-                progress=progress,
-                warn=partial(cli.notice, kind="warning"),
-                log=log,
-            )
-    finally:
-        folder.discard_if_empty()
-    lines = [describe(summary), "", f"{'folder':13}{folder.path}"]
-    for what, name in (("report", "report.html"), ("film", "video.mp4")):
-        if (folder.path / name).exists():
-            lines.append(f"{what:13}{folder.path / name}")
-    cli.report(options, summary.to_json(), *lines)
+    with keeping(kept):
+        for line in said:
+            cli.notice(line)
+        try:
+            with bar(quiet=options.json) as progress:
+                summary = run(
+                    scenario,
+                    folder,
+                    robot=robot,
+                    look=look,
+                    progress=progress,
+                    warn=partial(cli.notice, kind="warning"),
+                    log=log,
+                )
+        finally:
+            folder.discard_if_empty()
+        lines = [describe(summary), "", f"{'folder':13}{folder.path}"]
+        for what, name in (("report", "report.html"), ("film", "video.mp4")):
+            if (folder.path / name).exists():
+                lines.append(f"{what:13}{folder.path / name}")
+        cli.report(options, summary.to_json(), *lines)
     return judged(summary, options.tolerance, f"see {folder.path}")
 
 
@@ -107,7 +112,6 @@ def _can_film(wanted: bool | None) -> bool:
 
 def play(options: argparse.Namespace) -> ExitCode:
     """Play the motion and print how it went."""
-    from sim.folder import claim
     from sim.logs.alignment import together
     from sim.logs.log import read_log
     from sim.logs.playing import scenario_of
@@ -126,10 +130,7 @@ def play(options: argparse.Namespace) -> ExitCode:
     except ValueError as error:
         raise UsageError.at(str(files[0]), error) from error
     look = options.look if _can_film(options.video) else None
-    folder = claim(cli.folder_of(options), scenario.name)
-    for line in log.done:
-        cli.notice(line)
-    return _walk(scenario, robot, folder, look, options, log)
+    return _walk(scenario, robot, look, options, log.done, log)
 
 
 def _by_servo_table(robot: Robot, scenario: Scenario, pulses: bool) -> Reader:

@@ -140,7 +140,7 @@ def test_a_command_that_is_ended_leaves_whole_files_and_goes_on(place, words, nu
         code, said = ended(words, folder, moment, number)
         if moment > AWAKE:
             assert code in (0, CODES[number])
-            assert len(told(said)) == (code > 0)
+            assert said.count("stratawalk: error: ") == (code > 0)
         left = [path for path in folder.rglob("*") if path.is_file()]
         parts = [path for path in left if path.name.startswith(".")]
         assert not parts or number == signal.SIGKILL
@@ -161,6 +161,9 @@ def go_on(folder, told, words):
         words = told[-1].rpartition(": stratawalk ")[2]
     elif "--out new" in words and "film" not in words:
         shutil.rmtree(folder / "new", ignore_errors=True)
+    elif words.startswith("adopt"):  # which overwrites no file
+        for made in ("bare.toml", "bare.png"):
+            (folder / made).unlink(missing_ok=True)
     ended(words, folder)
     if (folder / "new-2").exists():
         shutil.rmtree(folder / "new")
