@@ -216,7 +216,7 @@ def summarise(
         errors[name] = off(achieved.pose[judged], made.pose[judged], length, walked)
         if not scenario.replan:  # an error that adds up, from one plan
             sources[name] = error_sources(walk, achieved.pose, made)
-    if (real := evaluation.measured) is not None:
+    if (real := evaluation.measured) is not None and real.pose is not None:
         ways = achieved.pose[evaluation.walking], real.pose[evaluation.walking]
         off_goal["measured"] = off(*ways, length, walked)
     return Summary(

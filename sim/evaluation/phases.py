@@ -10,8 +10,9 @@ import numpy as np
 from planner import Array
 from sim.compliant.prediction import CompliantPrediction
 from sim.evaluation.flows import WalkedPhase
-from sim.evaluation.summary import Predicted, Real
+from sim.evaluation.summary import Departed, Predicted, Real
 from sim.logs.alignment import Measured
+from sim.motion.poses import lean_of
 from sim.motion.prediction import Prediction
 from sim.motion.schedule import Phase
 from sim.scenarios.predictions import PREDICTIONS
@@ -122,12 +123,14 @@ def swing_travel(swings: Sequence[Phase], groups: Sequence[str], loaded: bool) -
 def real_robot(walk: Walk, real: Measured | None) -> Real | None:
     """What was measured on a real robot, and how the simulated one is unlike it."""
     motion, moments = walk.setup.motion, walk.recording.moments
-    joints = contact = None
     if motion is None or real is None:
         return None
-    log, model = motion.log, walk.setup.model
+    log, model, robot = motion.log, walk.setup.model, walk.setup.robot
     time = (moments.step - walk.starts) * walk.setup.limits.timestep
     on = (time >= 0) & (time <= log.duration)
+    joints = contact = None
+    lean = lean_of(moments.qpos[on], robot.root_address_in(model))
+    simulated = dict(zip(("roll", "pitch"), (lean - lean[0]).T, strict=True))
     if log.measured is not None:
         places = [int(model.joint(joint).qposadr[0]) for joint in log.joints]
         columns = zip(moments.qpos[on][:, places].T, log.measured.T, strict=True)
@@ -138,20 +141,27 @@ def real_robot(walk: Walk, real: Measured | None) -> Real | None:
         ]
         joints = float(np.sqrt(np.mean(np.square(apart))))
     if log.contact:
-        legs = walk.setup.robot.legs
         rows = np.clip(log.time.searchsorted(time[on]), 0, len(log.time) - 1)
         alike = [
-            (moments.contact[on][:, legs.index(leg)] == (column[rows] > 0))
+            (moments.contact[on][:, robot.legs.index(leg)] == (column[rows] > 0))
             for leg, column in log.contact.items()
         ]
         contact = float(np.mean(alike))
     return Real(
-        pose=real.pose[-1].tolist(),
+        pose=None if real.pose is None else real.pose[-1].tolist(),
         spread=None if real.spread is None else real.spread[-1].tolist(),
+        **{k: _departed(angle[on], simulated[k]) for k, angle in real.lean.items()},
         joints=joints,
         contact=contact,
         done=[*log.done, *real.done],
     )
+
+
+def _departed(measured: Array, simulated: Array) -> Departed:
+    """An angle (T,) of a real robot, and of the simulated one."""
+    off = np.abs(simulated - measured)
+    end, off_there, farthest = map(float, (measured[-1], off[-1], off.max()))
+    return Departed(end=end, off=off_there, farthest=farthest)
 
 
 def commanded_pace(walk: Walk) -> tuple[int, float]:

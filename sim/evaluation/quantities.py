@@ -17,6 +17,8 @@ from sim.scenarios.predictions import PREDICTIONS, QUASI_STATIC, prediction_key
 CAPPED = 0.9  # of the speed asked for; strokes that come to less are mentioned
 MENTIONED = 1e-3  # [m]; a robot that is moved farther at its start is mentioned
 
+DEGREES = degrees(1.0)
+
 MINUS = "\N{MINUS SIGN}"
 NONE = "\N{EN DASH}"
 GOAL, ACHIEVED, MEASURED = "goal", "achieved", "measured"
@@ -91,6 +93,17 @@ OF_WALKS = (
     WRONG,
     CLAIMED,
     Quantity("feedback.bound", "least error", "mm", 1e3, 2),
+    *(
+        Quantity(f"measured.{key}", f"off the measured {name}", "degrees", DEGREES, 2)
+        for key, name in (
+            ("joints", "joints, rms"),
+            ("roll.off", "roll, at the end"),
+            ("roll.farthest", "roll, at most"),
+            ("pitch.off", "pitch, at the end"),
+            ("pitch.farthest", "pitch, at most"),
+        )
+    ),
+    Quantity("measured.contact", "contacts like the measured ones", "%", 100.0),
     Quantity("simulated_time", "simulated time", "s", 1.0, 2),
 )
 QUANTITIES = (POSITION, YAW, *OF_ROWS, *OF_WALKS)
@@ -211,6 +224,13 @@ def _measured(real: Real) -> Iterator[str]:
         yield f"standard error of its end {how}"
     if real.joints is not None:
         yield f"joints {degrees(real.joints):.2f} degrees rms off the simulated ones"
+    for name, lean in (("roll", real.roll), ("pitch", real.pitch)):
+        if lean is not None:
+            yield (
+                f"{name} {degrees(lean.end):.2f} degrees at the end, "
+                f"{degrees(lean.off):.2f} off the simulated one, and "
+                f"{degrees(lean.farthest):.2f} at most"
+            )
     if real.contact is not None:
         yield f"contacts are those of the physics in {100 * real.contact:.0f} %"
 

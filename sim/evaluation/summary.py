@@ -149,11 +149,22 @@ class Sensed(Numbers):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class Departed(Numbers):
+    """An angle of a real robot since the start, and how far off it the physics is."""
+
+    end: float  # [rad]
+    off: float  # at the end [rad]
+    farthest: float  # on the way [rad]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Real(Numbers):
     """What was measured on a real robot that moved its joints alike."""
 
-    pose: list[float]  # at the end
+    pose: list[float] | None = None  # at the end
     spread: list[float] | None = None  # standard error of that, of several trials
+    roll: Departed | None = None
+    pitch: Departed | None = None
     joints: float | None = None  # of its angles off the simulated ones, rms [rad]
     contact: float | None = None  # share in which contacts are those of the physics
     done: list[str] = field(default_factory=list)  # to bring it onto this frame
@@ -239,7 +250,8 @@ class Summary(Numbers):
         if (sensed := table.get("feedback")) is not None:
             inner["feedback"] = Sensed.read(sensed)
         if isinstance(real := table.get("measured"), Mapping):
-            inner["measured"] = Real.read(real)
+            lean = _each(Departed, {k: real.get(k) for k in ("roll", "pitch")})
+            inner["measured"] = Real.read({**real, **lean})
         return super().read({**table, **inner})
 
     def to_json(self) -> dict[str, object]:
@@ -256,8 +268,9 @@ class Summary(Numbers):
         """Where goal, predictions and physics end, by the rows of a comparison."""
         made = {key: found.pose for key, found in self.predicted.items() if found}
         goal = {} if self.goal is None else {"goal": self.goal}
-        real = {} if self.measured is None else {"measured": self.measured.pose}
-        return {**goal, **made, "achieved": self.achieved.pose, **real}
+        real = self.measured and self.measured.pose
+        ends = {**goal, **made, "achieved": self.achieved.pose}
+        return {**ends, "measured": real} if real else ends
 
     @property
     def ignored(self) -> str:

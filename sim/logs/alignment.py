@@ -7,8 +7,8 @@ prediction on average, however much the robot veers.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from math import degrees, radians
 
 import numpy as np
@@ -25,11 +25,12 @@ SAME_COMMAND = radians(1)  # by which commands of trials may differ
 
 @dataclass(frozen=True)
 class Measured:
-    """The pose of a real robot in the start frame, and what was done to get it."""
+    """A real robot in the start frame, and what was done to get it; None is unknown."""
 
-    pose: Array  # (T, 3), finite
-    spread: Array | None  # standard error of the mean of trials, (T, 3)
-    done: tuple[str, ...]
+    pose: Array | None = None  # (T, 3), finite
+    spread: Array | None = None  # standard error of the mean of trials, (T, 3)
+    lean: Mapping[str, Array] = field(default_factory=dict)  # since the first row, (T,)
+    done: tuple[str, ...] = ()
 
 
 def together(logs: Sequence[Log]) -> Log:
@@ -41,7 +42,7 @@ def together(logs: Sequence[Log]) -> Log:
     first, *others = logs
     if not others:
         return first
-    done, poses = list(first.done), []
+    done, poses, leans = list(first.done), [], []
     for number, log in enumerate(logs, 1):
         if {*log.joints} != {*first.joints}:
             raise ValueError(f"trial {number} commands other joints than the first")
@@ -52,6 +53,9 @@ def together(logs: Sequence[Log]) -> Log:
             done.append(f"{other}; the commands of the first are played")
         if log.pose is not None:
             poses.append(_finite(first.time, log.time, log.pose))
+        if log.lean is not None:
+            leans.append(_since_first(first.time, log.time, log.lean))
+    first = replace(first, lean=np.mean(leans, axis=0) if leans else None)
     if len(poses) < 2:
         return replace(first, done=(*done, "fewer than two trials have a pose"))
     stack = np.stack([seen_from(pose[0], pose) for pose in poses])
@@ -64,10 +68,17 @@ def together(logs: Sequence[Log]) -> Log:
 def measured(log: Log, time: Array, predicted: Array) -> Measured | None:
     """What the log measured at times (T,) [s], beside a prediction (T, 3).
 
-    None where it has no positions.
+    None where it measured nothing.
     """
+    lean = {}
+    if log.lean is not None:
+        both = zip(
+            ("roll", "pitch"), _since_first(time, log.time, log.lean).T, strict=True
+        )
+        lean = {name: angle for name, angle in both if np.isfinite(angle).all()}
     if log.pose is None or not np.isfinite(log.pose[:, 0]).any():
-        return None
+        other = lean or log.measured is not None or log.contact
+        return Measured(lean=lean) if other else None
     done: list[str] = []
     if missing := np.count_nonzero(~np.isfinite(log.pose[:, 0])):
         done.append(f"{missing} rows without a pose are bridged")
@@ -82,7 +93,7 @@ def measured(log: Log, time: Array, predicted: Array) -> Measured | None:
         against = f"{degrees(turned):.1f} degrees against the robot"
         done.append(f"its frame is turned by {against}, and was turned back")
     spread = None if log.spread is None else _finite(time, log.time, log.spread)
-    return Measured(seen, spread, tuple(done))
+    return Measured(seen, spread, lean, tuple(done))
 
 
 def _turned(pose: Array, predicted: Array) -> float:
@@ -93,6 +104,12 @@ def _turned(pose: Array, predicted: Array) -> float:
     if min(np.abs(one).sum(), np.abs(other).sum()) < MOVED_ENOUGH:
         return 0.0
     return float(wrap(np.angle((np.conj(one) * other).sum())))
+
+
+def _since_first(time: Array, when: Array, lean: Array) -> Array:
+    """Roll and pitch at other times, from the first row on; a sensor sits askew."""
+    found = _finite(time, when, lean)
+    return found - found[0]
 
 
 def _finite(time: Array, when: Array, rows: Array) -> Array:

@@ -31,6 +31,14 @@ def tilt(qpos: Array, address: int) -> Array:
     return 2 * np.arcsin(np.minimum(np.hypot(x, y), 1.0))
 
 
+def lean_of(qpos: Array, address: int) -> Array:
+    """Roll and pitch of such a body, about its own axes, shape (..., 2) [rad]."""
+    w, x, y, z = np.moveaxis(qpos[..., address + 3 : address + 7], -1, 0)
+    roll = np.arctan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
+    pitch = np.arcsin(np.clip(2 * (w * y - z * x), -1, 1))
+    return np.stack([roll, pitch], axis=-1)
+
+
 def seen_from(origin: Array, pose: Array) -> Array:
     """Pose in the frame of another, yaw wrapped, shape (..., 3)."""
     step = relative(origin, pose)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from planner import Array
+from sim.evaluation.quantities import ROWS
 from sim.motion.poses import length_up_to, rotate, spaced_rows
 from sim.palette import ACHIEVED, NOMINAL, OBSTACLE, PREDICTED, RUNS, THOUGHT, Style
 from sim.reports.drawing import (
@@ -46,8 +47,7 @@ def plan_view(run: Run) -> Drawing:
         axes.plot(*_walked(run, run.achieved), **ACHIEVED.line(alpha=0.55))
         keys.append(Key.of(ACHIEVED, "achieved"))
         for name, poses in run.drawn.items():
-            known = PREDICTIONS.get(name)
-            label = f"predicted, {known.label}" if known else name
+            label = f"predicted, {ROWS[name]}" if name in PREDICTIONS else ROWS[name]
             axes.plot(*_walked(run, poses), **PREDICTED[name].line())
             keys.append(Key.of(PREDICTED[name], label))
         for outline in run.thought:
@@ -58,7 +58,7 @@ def plan_view(run: Run) -> Drawing:
 
 
 def errors(run: Run) -> Iterator[Drawing]:
-    """Error off every prediction along the nominal path, and across it.
+    """Error off every other path along the nominal one, and across it.
 
     Lines join the ends of segments; bands hold all that lies between.
     """
@@ -66,7 +66,7 @@ def errors(run: Run) -> Iterator[Drawing]:
     last = np.append(starts[1:], len(run.time)) - 1
     length = MM * run.summary.path_length
     done = _shares(run) * (length or len(starts))
-    marks = {name: PREDICTED[name] for name in run.predicted}
+    marks = {name: PREDICTED[name] for name in run.compared}
     for way, word in enumerate(WAYS):
         with sheet(ERROR_HEIGHT, MAP_WIDTH) as (figure, axes):
             for name, mark in marks.items():
@@ -74,7 +74,7 @@ def errors(run: Run) -> Iterator[Drawing]:
                 add_band(axes, done, *extremes_between(error, starts), mark.colour.hex)
                 axes.plot(done[1:], error[last], **mark.line(linewidth=1.1))
             axes.set_xlim(0, done[-1])
-            keys = [Key.of(m, f"off {PREDICTIONS[n].label}") for n, m in marks.items()]
+            keys = [Key.of(m, f"off {ROWS[n]}") for n, m in marks.items()]
             kind = "segment" if len(starts) == run.segments else "phase"
             along = "length of the path [mm]" if length else f"number of the {kind}"
             note = (

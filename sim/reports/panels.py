@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from models.description import root_body
 from planner import Array
 from sim import palette
-from sim.evaluation.quantities import number
+from sim.evaluation.quantities import ROWS, number
+from sim.motion.poses import lean_of
 from sim.palette import ACHIEVED, PREDICTED, Style
 from sim.reports.drawing import (
     DETAIL,
@@ -41,19 +43,18 @@ Curve = tuple[Array, Style, Key | None]  # its values, its look, its entry in th
 
 def panels(run: Run) -> Iterator[Drawing]:
     """All drawings over time, one by one, in the order of the page."""
-    off = {name: MM * np.hypot(*run.error(name)[:, :2].T) for name in run.predicted}
-    turned = {name: MRAD * run.error(name)[:, 2] for name in run.predicted}
+    off = {name: MM * np.hypot(*run.error(name)[:, :2].T) for name in run.compared}
+    turned = {name: MRAD * run.error(name)[:, 2] for name in run.compared}
     for values, heading in (
         (off, "Distance from each prediction [mm]"),
         (turned, "Error in yaw, off each prediction [mrad]"),
     ):
         curves = [
-            (values[name], mark.line(linewidth=1.1), Key.of(mark, f"off {label}"))
-            for name, mark, label in (
-                (n, PREDICTED[n], PREDICTIONS[n].label) for n in values
-            )
+            (values[n], mark.line(linewidth=1.1), Key.of(mark, f"off {ROWS[n]}"))
+            for n, mark in ((n, PREDICTED[n]) for n in values)
         ]
         yield _curves(run, heading, curves)
+    yield from _leans(run)
     yield _margin(run)
     if run.clearance is not None:
         look = {"color": ACHIEVED.colour.hex}
@@ -103,6 +104,26 @@ def _falls(values: Array) -> bool:
     if not np.isfinite(values).all():
         return False
     return bool(np.diff(values).min(initial=0) < -ROUNDING * values.max(initial=0))
+
+
+def _leans(run: Run) -> Iterator[Drawing]:
+    """Roll and pitch of the simulated, the predicted and the real robot."""
+    for column, name in enumerate(("roll", "pitch")):
+        if f"measured_{name}" not in run.arrays:
+            continue
+        root = root_body(run.model, run.model_file)
+        address = int(run.model.jnt_qposadr[run.model.body_jntadr[root]])
+        shown = [(lean_of(run.qpos, address)[:, column], ACHIEVED, "achieved")]
+        shown += [
+            (run.arrays[f"{key}_{name}"], mark, ROWS[key])
+            for key, mark in PREDICTED.items()
+            if f"{key}_{name}" in run.arrays
+        ]
+        curves: list[Curve] = [
+            (MRAD * (angle - angle[run.walking.start]), m.line(), Key.of(m, label))
+            for angle, m, label in shown
+        ]
+        yield _curves(run, f"{name.capitalize()} of the body [mrad]", curves)
 
 
 def _margin(run: Run) -> Drawing:

@@ -138,13 +138,17 @@ class Run:
         names = {key: name.array("pose") for key, name in PREDICTIONS.items()}
         return {key: self.arrays[n] for key, n in names.items() if n in self.arrays}
 
+    @cached_property
+    def compared(self) -> dict[str, Array]:
+        """Poses of each prediction, and of a real robot that was measured, (T, 3)."""
+        real = self.arrays.get("measured_pose")
+        return self.predicted if real is None else {**self.predicted, "measured": real}
+
     @property
     def drawn(self) -> dict[str, Array]:
         """Poses of the predictions that pictures of the robot show, by their keys."""
-        measured = self.arrays.get("measured_pose")  # of a real robot
-        shown = {**self.predicted, "measured": measured}
         names = dict.fromkeys(("measured", "ideal", self.best))
-        return {n: poses for n in names if (poses := shown.get(n)) is not None}
+        return {n: self.compared[n] for n in names if n in self.compared}
 
     @property
     def best(self) -> str:
@@ -152,8 +156,8 @@ class Run:
         return best(self.predicted)
 
     def error(self, name: str) -> Array:
-        """Achieved less predicted pose, yaw wrapped, (T, 3)."""
-        apart = self.achieved - self.predicted[name]
+        """Achieved less predicted or measured pose, yaw wrapped, (T, 3)."""
+        apart = self.achieved - self.compared[name]
         return np.concatenate([apart[:, :2], wrap(apart[:, 2:])], axis=1)
 
     @cached_property

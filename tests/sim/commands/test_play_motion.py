@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from models import load
 from sim.cli import main
 
 JOINTS = [f"{kind}_{leg}" for leg in range(1, 7) for kind in ("swing", "lift")]
@@ -56,6 +57,28 @@ def test_a_gait_in_degrees_and_in_counts_is_the_same_motion(gait, capfd):
         found.append(json.loads(capfd.readouterr().out)["achieved"]["pose"])
     np.testing.assert_allclose(found[1:], [found[0]] * 2, atol=1e-6)
     assert abs(found[0][2]) > 0.1
+
+
+def test_pulses_in_microseconds_are_angles_by_the_servo_table_of_the_card(
+    gait, tmp_path, capfd
+):
+    """Two joints: one mounted the other way round, and one as its make comes."""
+    robot = load("hexapod-classroom")
+    (tmp_path / "mine.xml").write_text(robot.read().to_xml())
+    own = "[servo.swing_1]\nsign = -1\ncenter = 371\noffset = 0.05\n"
+    (tmp_path / "mine.toml").write_text(f"{robot.card_text}\n{own}")
+    told = np.loadtxt(tmp_path / gait(), delimiter=",", skiprows=1)
+    pulses, count = told.copy(), 102 / 25  # of a PCA9685 that gives nearly 60 Hz
+    a_radian = 350 / 4096 / 60 * 1e6 / np.pi  # of an MG90, whose half turn is 1.42 ms
+    pulses[:, 1:] = 364 * count + a_radian * told[:, 1:]
+    pulses[:, 1] = 371 * count - a_radian * (told[:, 1] - 0.05)
+    names = ",".join(["time", *JOINTS])
+    np.savetxt(tmp_path / "us.csv", pulses, "%.9g", ",", "\n", names, "", "")
+    words = ["play", "mine.xml", "us.csv", "--units", "microseconds", "--out", "run"]
+    assert main([*words, *FAST, "--tolerance", "none"]) in (0, 4)
+    capfd.readouterr()
+    found = np.loadtxt(tmp_path / "run" / "motion.csv", delimiter=",", skiprows=1)
+    np.testing.assert_allclose(found, told, atol=1e-6)
 
 
 def test_a_joint_that_the_robot_lacks_is_named(gait, capfd, tmp_path):

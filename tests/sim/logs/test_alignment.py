@@ -71,5 +71,18 @@ def test_trials_of_other_commands_are_told_apart():
         together([log(WAY), replace(log(WAY), joints=("knee",))])
 
 
-def test_a_log_without_poses_measured_nothing():
+def test_a_log_that_measured_nothing_is_none():
     assert measured(log(None), TIME, WAY) is None
+
+
+def test_roll_and_pitch_are_counted_from_the_first_row_for_a_sensor_sits_askew():
+    lean = np.stack([0.1 * TIME, 0.03 * np.sin(TIME)], axis=1)
+    seen = measured(replace(log(None), lean=lean + [0.5, -0.2]), TIME, WAY)
+    assert seen.pose is None
+    np.testing.assert_allclose([*seen.lean.values()], lean.T, atol=1e-12)
+
+
+def test_roll_and_pitch_of_trials_become_their_means():
+    lean = np.stack([0.1 * TIME, 0.03 * np.sin(TIME)], axis=1)
+    logs = [replace(log(WAY), lean=k * lean + 0.4 * k) for k in (1, 2, 3)]
+    np.testing.assert_allclose(together(logs).lean, 2 * lean, atol=1e-12)

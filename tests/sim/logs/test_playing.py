@@ -8,15 +8,20 @@ import pytest
 
 from models import load
 from sim.errors import UsageError
+from sim.evaluation.quantities import describe
 from sim.logs.feet import posture
 from sim.logs.log import Log, of_function, read_log, written
 from sim.logs.playing import Motion, posed, scenario_of
 from sim.motion.schedule import MotionLimits
+from sim.palette import PREDICTED
+from sim.pictures.legend import entries
 from sim.preparation.setup import prepare
+from sim.reports.panels import panels
 from sim.run_folder import write
+from sim.runs.run import read_run
 from sim.scenarios.file import load_scenario
 from sim.simulation import play, simulate
-from tests.walks import COSTLY
+from sim.viewing.marks import Marks
 
 PERIOD = 1.6  # [s]
 SWING = 0.12  # [rad]
@@ -140,11 +145,40 @@ def test_a_function_is_played_and_a_joint_that_the_robot_lacks_is_named():
         play(load("hexapod"), lambda t: {f"lift_{1 + (t > 0)}": 0.0}, 0.3)
 
 
-def test_the_measured_robot_is_compared_on_the_whole_way(tmp_path):
-    file, way = tmp_path / "still.csv", np.linspace(0, 0.4, 41)
-    rows = [f"{t:.2f},0,{0.005 * np.sin(np.pi * t / 0.4):.6f},0,0\n" for t in way]
-    file.write_text("".join(["time,swing_1,body.x,body.y,body.yaw\n", *rows]))
-    scenario = scenario_of(load("hexapod"), file, {"timestep": 0.002})
-    error = simulate(scenario, without=COSTLY).summary["error"]["measured"]
+@pytest.fixture(scope="module")
+def still(tmp_path_factory):
+    """A robot that stands still in the physics, and did not quite in its log."""
+    folder, way = tmp_path_factory.mktemp("still"), np.linspace(0, 0.4, 41)
+    names = "time,swing_1,body.x,body.y,body.yaw,body.roll,measured.swing_1,contact.1"
+    rows = [
+        f"{t:.2f},0,{0.005 * hill:.6f},0,0,{0.3 + 0.02 * hill - 0.01 * t:.6f},0.03,0"
+        for t, hill in zip(way, np.sin(np.pi * way / 0.4), strict=True)
+    ]
+    (folder / "still.csv").write_text("\n".join([names, *rows]) + "\n")
+    scenario = scenario_of(load("hexapod"), folder / "still.csv", {"timestep": 0.002})
+    return simulate(scenario, without=("creep_floor",))
+
+
+def test_the_measured_robot_is_compared_on_the_whole_way(still):
+    error, real = still.summary["error"]["measured"], still.summary.measured
     assert error["position"] < 1e-4
     assert error["farthest"] == pytest.approx(0.005, abs=1e-4)
+    assert real.roll.end == pytest.approx(-0.004, abs=4e-4)  # a step before 0.4 s
+    assert real.roll.off == pytest.approx(-real.roll.end, abs=1e-4)
+    assert real.roll.farthest == pytest.approx(0.018, abs=2e-4)
+    assert (real.pitch, real.contact) == (None, 0.0)
+    assert real.joints == pytest.approx(0.03, abs=1e-3)
+    assert "off the simulated one, and 1.03 at most" in describe(still.summary)
+
+
+def test_report_and_viewer_show_a_played_motion_beside_the_real_robot(still, tmp_path):
+    run = read_run(write(still, tmp_path / "run"))
+    assert run.summary.measured.roll == still.summary.measured.roll
+    assert "Roll of the body [mrad]" in (drawing.heading for drawing in panels(run))
+    shown = {label for label, _ in entries(run)}
+    assert {"measured path", "compliant prediction", "achieved path"} <= shown
+    drawn = {tuple((255 * g.rgba[:3]).round()) for g in Marks(run, run.model).at(9)}
+    for mark in ("measured", "compliant"):
+        assert (
+            tuple(np.round(255 * np.array(PREDICTED[mark].colour.rgba())[:3])) in drawn
+        )
