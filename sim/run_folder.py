@@ -290,8 +290,7 @@ def trajectory(evaluation: Evaluation) -> Arrays:
         for quantity, array in (parts | prediction.further).items():
             arrays[PREDICTIONS[key].array(quantity)] = array
     if (real := evaluation.measured) is not None:
-        pose = {} if real.pose is None else {"pose": real.pose}
-        arrays |= {f"measured_{k}": rows for k, rows in {**pose, **real.lean}.items()}
+        arrays |= {f"measured_{name}": rows for name, rows in real.arrays.items()}
     for key, clearance in evaluation.clearance.items():
         known = PREDICTIONS.get(key)
         arrays[known.array("clearance") if known else f"{key}_clearance"] = clearance

@@ -32,6 +32,11 @@ class Measured:
     lean: Mapping[str, Array] = field(default_factory=dict)  # since the first row, (T,)
     done: tuple[str, ...] = ()
 
+    @property
+    def arrays(self) -> dict[str, Array]:
+        """What is known, by name."""
+        return {**({} if self.pose is None else {"pose": self.pose}), **self.lean}
+
 
 def together(logs: Sequence[Log]) -> Log:
     """Trials of one motion as one log: commands of the first, means of poses.

@@ -9,10 +9,12 @@ import pytest
 from sim.evaluation.quantities import QUANTITIES
 from sim.evaluation.summary import (
     Accomplished,
+    Departed,
     Departure,
     PerMetre,
     Predicted,
     PredictionError,
+    Real,
     Sensed,
     Summary,
     Weighed,
@@ -28,6 +30,7 @@ def test_the_documentation_names_every_quantity_as_it_is_shown():
 
 
 SAMPLES = {"str": "-", "bool": False, "list[float]": [0.1, 0.2, 0.0]}
+SAMPLES["list[float] | None"] = SAMPLES["list[float]"]
 
 
 def filled(kind, **given):
@@ -58,6 +61,7 @@ def summary():
         weighed=filled(Weighed),
         per_metre=PerMetre(),
         feedback=filled(Sensed),
+        measured=filled(Real, roll=filled(Departed), pitch=filled(Departed)),
         missed=[0.002],
     )
 
