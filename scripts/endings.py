@@ -56,8 +56,8 @@ class Ending:
 class Bounds:
     """What a process and those that it starts may take."""
 
-    seconds: float = 60.0  # on the processor, each
-    memory: int = 6 * 10**9  # bytes; a model of 4 GB beside the libraries
+    seconds: float = 10.0  # on the processor, each
+    memory: int = 2 * 10**9  # bytes
     patience: float = 60.0  # until all of them have ended
 
     def hold(self) -> None:

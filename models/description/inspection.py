@@ -104,7 +104,9 @@ def assets(spec: mujoco.MjSpec, model: mujoco.MjModel) -> set[Path]:
 
 def outside(paths: set[Path], folder: Path) -> list[Path]:
     """Those of some files that are not in a folder, links followed; in order."""
-    own, found = folder.resolve(), {path.resolve(): path for path in sorted(paths)}
+    own = folder.resolve()
+    # not Path.resolve, to which a link to itself is an error
+    found = {Path(os.path.realpath(path)): path for path in sorted(paths)}
     return sorted(at for real, at in found.items() if not real.is_relative_to(own))
 
 

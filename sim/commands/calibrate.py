@@ -10,6 +10,7 @@ from math import degrees
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
+from planner.support import read_file
 from sim.commands import options as cli
 from sim.endings import again, keeping, way_on
 from sim.errors import RenderError, UsageError
@@ -202,7 +203,7 @@ class _Asker:
         self._answer: Callable[[str], str] = input
         if file:
             try:
-                lines = iter(Path(file).read_text().splitlines())
+                lines = iter(read_file(file).decode().splitlines())
             except (OSError, UnicodeDecodeError) as error:
                 remedy = "give a file of answers, a line each"
                 raise UsageError.at(file, error, remedy) from error

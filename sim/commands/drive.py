@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import sys
 import time
 from collections.abc import Iterator
@@ -59,6 +60,8 @@ def drive(options: argparse.Namespace) -> None:
 
 
 def _opened(files: ExitStack, name: str, mode: str, standard: IO[str]) -> IO[str]:
+    if mode == "w" and os.path.isfile(name):
+        raise UsageError("already exists", name, "give --commands another name")
     return standard if name == "-" else files.enter_context(open(name, mode))
 
 

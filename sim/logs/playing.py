@@ -188,7 +188,7 @@ def scenario_of(robot: Robot, file: Path, settings: Mapping[str, object]) -> Sce
     table = {
         "name": name.strip("-") or "motion",
         "robot": robot.name if robot.is_shipped else str(robot.path.resolve()),
-        "motion": str(file.resolve()),
+        "motion": str(file.absolute()),
         "segments": 1,
         "feed_forward": False,
     }

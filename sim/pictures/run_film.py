@@ -87,7 +87,7 @@ def film_folder(
         known = f"known are {', '.join(LOOKS)}"
         raise UsageError(f"unknown look {look!r}", "film", known)
     view_of(camera)
-    folder = folder.resolve()
+    folder = folder.absolute()
     with blamed_on(folder):
         walk = read_run(folder).in_world()
         _ = walk.model  # which is refused here, and not by the processes that draw

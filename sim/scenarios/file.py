@@ -125,6 +125,7 @@ def anchor(table: Values, folder: Path) -> None:
     _anchor(table, "robot", folder, ".xml")
     _anchor(table, "learnt", folder)
     _anchor(table, "motion", folder)
+    _anchor(table, "path.file", folder)
     if isinstance(table.get("path"), dict):
         _anchor(table["path"], "file", folder)
 

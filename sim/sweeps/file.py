@@ -83,7 +83,7 @@ def read_sweep(source: str) -> Sweep:
     table = read_toml(path)
     scenario = _scenario(table, path)
     fixed = dict(flat(_inner(table, "set")))
-    _anchor_values(fixed, path.parent)
+    anchor(fixed, path.parent)
     given = [*grid_blocks(_inner(table, "grid"))]
     for key, made in (("list", list_block), ("sobol", sobol_block)):
         given += [made(inner)] if (inner := _inner(table, key)) else []
@@ -146,18 +146,12 @@ def _inner(table: Table, key: str) -> Table:
     return inner
 
 
-def _anchor_values(values: dict[str, object], folder: Path) -> None:
-    anchor(values, folder)
-    if isinstance(file := values.get("path.file"), str):
-        values["path.file"] = str((folder / file).resolve())
-
-
 def _anchored(block: Block, folder: Path) -> Block:
     """A block that names the files of robots so that they are found from anywhere."""
     keys, choices = block
     rows = [dict(zip(keys, choice, strict=True)) for choice in choices]
     for values in rows:
-        _anchor_values(values, folder)
+        anchor(values, folder)
     return keys, [tuple(values[key] for key in keys) for values in rows]
 
 
