@@ -12,7 +12,9 @@ one fails, then closely wherever a notable part is left, and around all maxima o
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Callable
+from itertools import zip_longest
 from math import inf
 
 import numpy as np
@@ -40,10 +42,12 @@ NEARLY = 0.4  # part left at a maximum that may lie higher between the steps tri
 BETWEEN = 16  # steps that are tried between two others
 AT_ONCE = 128  # steps that are planned at once
 FEW = 4  # of them on the coarse scale, whose long steps take long to play
+FLOW_NODES = 14  # fewer need more flows halved, more take longer
 ACCURACY = 1e-6  # relative, of the critical step
 EXACT = 1e-9  # part left by plans that are exact but for rounding
 RAYS = 20  # directions for each dimension, among which the least step is looked for
-TRIED, DOWNWARD = 24, 4  # directions around the best one, shorter steps in each
+SPARSE = 4  # of which one is tried on the coarsest scale
+TRIED = 24  # directions around the best one
 NARROWER = 0.5  # times as far apart once none of them is shorter
 WIDEST, NARROWEST = 0.6, 4e-3  # how far apart they are
 
@@ -110,8 +114,9 @@ def least_critical_step(
 ) -> float:
     """The least of the critical steps in all directions.
 
-    Directions are drawn evenly, and more of them around the best one; arguments,
-    result and errors are those of `critical_step`.
+    Directions are drawn evenly, and more of them ever closer around the best one, until
+    no step fails that is notably shorter than the shortest found. Arguments, result and
+    errors are those of `critical_step`.
 
     Example:
         >>> from planner import StratifiedSystem, least_critical_step
@@ -133,28 +138,32 @@ def least_critical_step(
     size = tangent.shape[1]
     drawn = random.normal(size=(RAYS * size, size))
     drawn = np.concatenate([np.eye(size), -np.eye(size), drawn])
+    low = SHORTEST
     for found in _scale(SHORTEST, LONGEST, COARSEST).tolist():
-        left = steps.left(found * rays(drawn))
+        left = steps.left(found * rays(drawn[::SPARSE]))
         if left.max() > CONTRACTED:
+            left = steps.left(found * rays(drawn))
             break
+        low = found
     else:
         return inf
-    best, width, lowest = drawn[left.argmax()], WIDEST, 1.0 / COARSEST
+    while left.max() > CONTRACTED:
+        best = drawn[left.argmax()]
+        found = steps.failing(rays(best), low, found)[1]
+        left = steps.left(found / (1.0 + WIDEST**2) * rays(drawn))
+    width = WIDEST
     while width > NARROWEST and found > SHORTEST:
         best = best / np.linalg.norm(best)
         drawn = best + width * random.normal(size=(TRIED, size)) / np.sqrt(size)
-        drawn[0] = best
-        shorter = np.geomspace(lowest * found, found, DOWNWARD + 1)[:-1]
-        tried = shorter[:, None, None] * rays(drawn)
-        left = steps.left(tried.reshape(-1, tried.shape[-1])).reshape(DOWNWARD, -1)
-        failed = left.max(axis=1) > CONTRACTED
-        if failed.any():
-            first = int(failed.argmax())
-            best, found = drawn[left[first].argmax()], float(shorter[first])
+        shorter = found / (1.0 + width**2)
+        left = steps.left(shorter * rays(drawn))
+        if left.max() > CONTRACTED:
+            best = drawn[left.argmax()]
+            lowest = shorter * (1.0 - min(0.5, (2.0 * width) ** 2))
+            found = steps.failing(rays(best), lowest, shorter)[1]
         else:
             width *= NARROWER
-        lowest = 1.0 - min(0.5, (2.0 * width) ** 2)
-    return steps.critical(rays(best), found)
+    return steps.refined(rays(best), found / (1.0 + WIDEST**2), found)
 
 
 class _Steps:
@@ -201,13 +210,20 @@ class _Steps:
                 break
         if parts[-1] <= CONTRACTED:
             return inf
-        low, top = steps[-2:]
+        return self.refined(ray, *steps[-2:].tolist())
+
+    def refined(self, ray: Array, low: float, top: float) -> float:
+        """The critical step between one that is contracted and one that is not."""
         while top > low * (1.0 + ACCURACY):
-            between = np.linspace(low, top, BETWEEN + 2)
-            fails = np.append(left(between[1:-1]) > CONTRACTED, True)
-            first = int(fails.argmax())
-            low, top = between[first], between[first + 1]
-        return float(low)
+            low, top = self.failing(ray, low, top)
+        return low
+
+    def failing(self, ray: Array, low: float, top: float) -> tuple[float, float]:
+        """The first of steps up to one that fails, and the last one before it."""
+        between = np.geomspace(low, top, BETWEEN + 2)
+        fails = self.along(ray)(between[1:-1]) > CONTRACTED
+        first = int(np.append(fails, True).argmax())
+        return float(between[first]), float(between[first + 1])
 
     def along(self, ray: Array) -> Left:
         """What plans leave of steps along a ray, by their lengths."""
@@ -245,16 +261,21 @@ class _Steps:
     def _ends(self, words: list[Word]) -> Array:
         """Where words end, all from the start, shape (words, n); nan if nowhere."""
         ends = np.repeat(self.start[None], len(words), axis=0)
-        for fields in {word.fields for word in words}:
-            those = [i for i, word in enumerate(words) if word.fields == fields]
-            durations = np.array([words[i].durations for i in those])
-            for name, times in zip(fields, durations.T, strict=True):
-                field = self.system.compiled(name)
+        for letters in zip_longest(*(zip(*word, strict=True) for word in words)):
+            along: dict[str, dict[int, float]] = defaultdict(dict)
+            for i, letter in enumerate(letters):
+                if letter is not None:
+                    along[letter[0]][i] = letter[1]
+            for name, durations in along.items():
+                field, those = self.system.compiled(name), list(durations)
+                begin, times = ends[those], np.array(list(durations.values()))
                 steady = field.constant[:, 0]
                 if field.is_constant:
-                    ends[those] += times[:, None] * steady
+                    ends[those] = begin + times[:, None] * steady
                 else:
-                    ends[those] = follow_all(field.velocity, ends[those], times, steady)
+                    ends[those] = follow_all(
+                        field.velocity, begin, times, steady, FLOW_NODES
+                    )
         return ends
 
 
