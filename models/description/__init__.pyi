@@ -3,6 +3,7 @@ from .card_file import parse_card as parse_card
 from .compiled import (
     ON_JOINT as ON_JOINT,
     actuator_of as actuator_of,
+    actuators_of as actuators_of,
     compile_model as compile_model,
     is_position_servo as is_position_servo,
     one_line as one_line,

@@ -18,7 +18,7 @@ from models.contact import find_sole
 from models.description import actuator_of
 from planner import Array
 from sim.compliant.equilibrium import Lanes
-from sim.world.dead_bands import BAND, BRAKE
+from sim.world.dead_bands import band_in
 from sim.world.imperfections import BACKLASH
 
 ABSENT = -1e3  # [m]; radius of a point that never touches
@@ -129,9 +129,12 @@ def robots_of(robot: Robot, model: mujoco.MjModel, anatomy: Anatomy) -> Robots:
     at, real = anatomy.actuator, anatomy.axis.any(axis=-1)
     joints, ground = model.actuator_trnid[at, 0], Ground.of(robot, model)
     dofs, (feet, points) = model.jnt_dofadr[joints], anatomy.radius.shape
-    loose = [_slack(model, model.joint(number).name) for number in joints.flat]
-    slack, rub, braking = np.reshape(np.transpose(loose), (3, *at.shape))
-    damping = -model.actuator_biasprm[at, 2] + model.dof_damping[dofs] + braking
+    damping = -model.actuator_biasprm[at, 2] + model.dof_damping[dofs]
+    loose = [
+        _slack(model, model.joint(number).name, own)
+        for number, own in zip(joints.flat, damping.flat, strict=True)
+    ]
+    slack, rub = np.reshape(np.transpose(loose), (2, *at.shape))
     limited = real & model.actuator_forcelimited[at].astype(bool)
     share = (anatomy.radius > ABSENT).sum(axis=1)  # points that share a foot's spring
     one = {
@@ -153,18 +156,14 @@ def robots_of(robot: Robot, model: mujoco.MjModel, anatomy: Anatomy) -> Robots:
     return Robots(**{name: np.array([value]) for name, value in one.items()})
 
 
-def _slack(model: mujoco.MjModel, joint: str) -> tuple[float, float, float]:
-    """How far a leg joint is loose [rad], and its damping then and by its brake."""
+def _slack(model: mujoco.MjModel, joint: str, damping: float) -> tuple[float, float]:
+    """How far a leg joint is loose [rad], and what damps it then."""
+    width, rub = band_in(model, joint), damping or 1.0
     joints = {model.joint(number).name for number in range(model.njnt)}
-    width, rub, brake = 0.0, 1.0, 0.0
-    if (band := BAND + joint) in joints:
-        width += float(np.ptp(model.joint(band).range))
-        brake = float(model.tendon_damping[model.tendon(BRAKE + joint).id])
-        rub = brake + float(model.joint(joint).damping[0])
     if (loose := BACKLASH + joint) in joints:
         width += float(np.ptp(model.joint(loose).range))
         rub = float(model.joint(loose).damping[0])
-    return width, rub, brake
+    return width, rub
 
 
 def _links(

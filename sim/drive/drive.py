@@ -11,6 +11,7 @@ from math import ceil
 
 import numpy as np
 
+from models.description import actuators_of
 from planner import Array
 from sim.drive.feed_forward import FeedForward, carried_torque, leg_actuators
 from sim.drive.lift_counts import LiftCounts
@@ -19,7 +20,6 @@ from sim.logs.playing import Played
 from sim.motion.schedule import Schedule, command_at, step_of
 from sim.physics.engine import STRETCH
 from sim.preparation.setup import Setup
-from sim.world.dead_bands import STEP
 
 Leads = tuple[FeedForward | None, FeedForward | None]  # torques, practised angles
 LEAST_FRICTION = 0.1  # below, feet slide whatever the servos do
@@ -31,18 +31,17 @@ class Drive:
     def __init__(self, setup: Setup) -> None:
         self._setup, self._servo = setup, setup.servo
         self._joints = leg_actuators(setup)
-        model = setup.as_planned.model  # where a band has not taken servos to pieces
+        model = setup.model
         self._stiffness = model.actuator_gainprm[self._joints, 0]
         self._damping = -model.actuator_biasprm[self._joints, 2]
         self._offset = _zero_offsets(setup, len(self._joints))
         scenario = setup.scenario
         self._delay = round(scenario.command_delay / scenario.timestep)  # steps
-        names = [setup.model.actuator(i).name for i in range(setup.model.nu)]
-        steps = [STEP + joint for joint in setup.robot.card.joints]
-        self._twins = {  # of commands, that bands by steps take twice
-            names.index(step): joint
-            for step, joint in zip(steps, self._joints, strict=True)
-            if step in names
+        self._twins = {  # of commands, which springs of dead bands take as well
+            spring: servo
+            for joint in setup.robot.card.joints
+            for servo, *springs in [actuators_of(model, joint)]
+            for spring in springs
         }
         self._held: Array | None = None  # the command in force
         self._late: Array | None = None  # commands that have not reached the servos

@@ -21,10 +21,9 @@ from sim.motion.poses import wrap
 from sim.motion.schedule import Schedule
 from sim.physics.engine import Engine
 from sim.preparation.setup import Setup
-from sim.world.dead_bands import BAND
 from sim.world.imperfections import BACKLASH
 
-TURNS = 6  # of practice
+TURNS = 4  # of practice
 PART = 0.7  # of what was missed, that is added after a turn
 
 
@@ -37,11 +36,7 @@ class Practised:
         joints = [model.joint(number) for number in range(model.njnt)]
         place = {joint.name: int(joint.qposadr[0]) for joint in joints}
         self._places = [
-            [
-                place[part + joint]
-                for part in ("", BAND, BACKLASH)
-                if part + joint in place
-            ]
+            [place[part + joint] for part in ("", BACKLASH) if part + joint in place]
             for joint in setup.robot.card.joints
         ]
 

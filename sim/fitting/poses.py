@@ -24,7 +24,6 @@ from sim.motion.poses import relative
 from sim.preparation.setup import Setup
 from sim.runs.run import Run
 from sim.studies.sensitivities import course_of_run
-from sim.world.dead_bands import BAND
 from sim.world.imperfections import BACKLASH
 
 BODY = (
@@ -94,7 +93,7 @@ def log_of(run: Run) -> Log:
         time=run.time[rows] - run.time[rows][0],
         joints=joints,
         commanded=run.ctrl[rows][:, [actuator_of(run.model, j) for j in joints]],
-        measured=turned(run.model, run.qpos[rows], joints, BAND, BACKLASH),
+        measured=turned(run.model, run.qpos[rows], joints, BACKLASH),
         pose=run.achieved[rows],
     )
 

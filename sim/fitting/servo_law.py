@@ -27,7 +27,7 @@ from sim.drive.feed_forward import leg_actuators
 from sim.logs.log import Log
 from sim.physics.engine import STRETCH, Engine
 from sim.preparation.setup import Setup
-from sim.world.dead_bands import BAND
+from sim.world.dead_bands import band_in
 from sim.world.imperfections import RUBBED
 
 NOTHING = 1e-300  # beside angles [rad]
@@ -145,8 +145,10 @@ def on_floor(setup: Setup, model: mujoco.MjModel, log: Log, servos: Array) -> Co
     pieces = range(0, len(rows), STRETCH)
     records = [engine.advance(rows[i : i + STRETCH]) for i in pieces]
     qpos = np.concatenate([record.qpos for record in records])
-    speed = np.gradient(turned(model, qpos, log.joints, BAND), dt, axis=0)
-    spring = rows[:, actuators] - turned(model, qpos, log.joints)
+    angles = turned(model, qpos, log.joints)
+    speed, spring = np.gradient(angles, dt, axis=0), rows[:, actuators] - angles
+    within = np.array([band_in(model, joint) / 2 for joint in log.joints])
+    spring -= np.clip(spring, -within, within)
     inertia, leg = _inertia(setup.as_planned.model, _dofs(setup.as_planned.model, log))
     load = model.actuator_gainprm[actuators, 0] * spring - np.exp(servos[:, 1]) * speed
     load -= inertia * np.gradient(speed, dt, axis=0)

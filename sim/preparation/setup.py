@@ -26,6 +26,7 @@ from sim.preparation.reach import explained, lift_angle, require_gait
 from sim.preparation.shared import PLAN, Cache, Shared, built, no_cache
 from sim.scenarios.scenario import Scenario, drawn
 from sim.scenarios.settings import IMPERFECTIONS
+from sim.world.dead_bands import with_own_band
 from sim.world.model import World
 from sim.world.servos import Channels, ServoSettings, servo_settings
 
@@ -242,7 +243,7 @@ def prepare(
         name = scenario.robot, str(scenario.geometry)
         read = partial(load, scenario.robot, geometry=scenario.geometry)
         robot = shared.cached("robot", name, read)
-    scenario = drawn(scenario, robot)
+    scenario = with_own_band(drawn(scenario, robot), robot.card)
     key, made = scenario.key("equations"), partial(_mathematics, robot, scenario)
     described, extended, kinematics = shared.cached("mathematics", key, made)
     if log is None and scenario.motion is not None:

@@ -189,8 +189,8 @@ class Settings:
     command_delay: Annotated[float, Range(0, 0.5)] = imperfection(
         "delay from a command to the servo's motion", 0.0, "drive", "s"
     )
-    dead_band: Width | tuple[Width, ...] = imperfection(
-        "width of the error without torque, or that of each servo", 0.0, "world", "rad"
+    dead_band: Literal["own"] | Width | tuple[Width, ...] = imperfection(
+        "width of the error without torque; own: the make's", 0.0, "world", "rad"
     )
     dead_band_spread: Annotated[float, Range(0, 1)] = imperfection(
         "share by which dead bands differ, drawn", 0.0, "world"

@@ -3,32 +3,41 @@
 A servo gives no torque while its error is within half its band, and beyond it the
 stiffness times the rest of the error, or by the law `step` times all of it. Its motor
 brakes the joint all the while, and its rotor turns with it. The engine has no such
-servo. Its spring is therefore put on a joint of its own, which weighs next to nothing,
-follows the command, and holds the leg's joint by a stop on either side; rotor and
-damping act on the sum of both angles. A step is a second spring on that joint, steeper
-and of limited torque.
+servo. A second spring on the joint therefore takes the torque of the first one away,
+and has no more to give beyond the band. For a step both are steeper by a third spring,
+whose torque ends later: at the band's edge the torque rises within a quarter of it.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import mujoco
 import numpy as np
 
-from models import Robot
-from models.description import ON_JOINT, compile_model
+from models import Card, Robot
+from models.description import ON_JOINT, actuators_of
 from planner import Array
+from sim.errors import UsageError
 from sim.scenarios.scenario import Scenario
-from sim.world.imperfections import add_loose_joint
+from sim.world.servos import plain_actuator, servo_settings
 
-BAND = "band_"  # before the name of the joint whose servo has one
-BRAKE = "brake_"  # tendon on which the servo's rotor and damping act
-STEP = "step_"  # before it, of the spring that makes the torque jump at the band's edge
-# solimp; the stops give way by as much as the spring's own joint is light, and softer
-# ones would be felt
-UNYIELDING = (0.9999, 0.9999, 0.001, 0.5, 2.0)
+BAND, STEP = "band_", "step_"  # springs, before the names of their joints
 STEEP = 4.0  # of the spring at a step, in stiffnesses: a quarter of the band's half
-FOLLOWS = 2.0  # time steps after which the spring has followed its command
-ROTOR_SHARE = 0.1  # of the rotor, that turns with the spring and not with the leg
+
+
+def with_own_band(scenario: Scenario, card: Card) -> Scenario:
+    """The scenario with the dead band of its servos' make, where it asks for that."""
+    if scenario.dead_band != "own":
+        return scenario
+    kind = servo_settings(scenario, card).kind
+    if kind is None:
+        raise UsageError(
+            "dead_band = 'own', but the robot's servos are of no make",
+            f"scenario {scenario.name!r}",
+            "name their make (servo), or give the width of their dead band in rad",
+        )
+    return replace(scenario, dead_band=kind.dead_band)
 
 
 def dead_bands(scenario: Scenario, joints: int) -> Array:
@@ -40,44 +49,33 @@ def dead_bands(scenario: Scenario, joints: int) -> Array:
     return drawn
 
 
+def band_in(model: mujoco.MjModel, joint: str) -> float:
+    """Whole width of the dead band that a joint's servo has in a world [rad]."""
+    _, *springs = actuators_of(model, joint)
+    most, gain = model.actuator_forcerange[:, 1], model.actuator_gainprm[:, 0]
+    return sum(float(-2 * most[spring] / gain[spring]) for spring in springs[:1])
+
+
 def ensure_dead_bands(spec: mujoco.MjSpec, robot: Robot, scenario: Scenario) -> None:
-    """Give every leg joint's servo its dead band."""
-    widths = dead_bands(scenario, len(robot.card.joints))
-    if not widths.any():
-        return
-    model, step = compile_model(spec.copy(), str(robot.path)), scenario.timestep
+    """Give every leg joint's servo its dead band; its springs follow all actuators."""
     servos = {s.target: s for s in spec.actuators if s.trntype in ON_JOINT}
-    for name, width in zip(robot.card.joints, widths.tolist(), strict=True):
+    widths = dead_bands(scenario, len(robot.card.joints)).tolist()
+    for name, width in zip(robot.card.joints, widths, strict=True):
         if not width:
             continue
-        joint, servo = spec.joint(name), servos[name]
-        number = model.actuator(servo.name).id
-        stiffness = model.actuator_gainprm[number, 0]
-        braking = float(np.ravel(joint.damping)[0]) - model.actuator_biasprm[number, 2]
-        steep = 0.0
-        if scenario.dead_band_law == "step":
-            steep = STEEP * stiffness
-            most = stiffness * width / 2
-            spec.add_tendon(name=STEP + name).wrap_joint(name, 1.0)
-            spec.add_actuator(
-                name=STEP + name,
-                target=STEP + name,
-                trntype=mujoco.mjtTrn.mjTRN_TENDON,
-                forcelimited=True,
-                forcerange=[-most, most],
-            ).set_to_position(kp=steep)
-        # damping of the springs' own joint
-        follow = FOLLOWS * step * (stiffness + steep)
-        rotor = float(joint.armature + servo.armature)
-        # what an explicit step can follow
-        own = max(step**2 * (stiffness + steep), ROTOR_SHARE * rotor)
-        brake = spec.add_tendon(
-            name=BRAKE + name,
-            armature=max(rotor - own, 0.0),
-            damping=[max(braking - follow, 0.0), 0.0, 0.0],
-        )
-        add_loose_joint(joint, BAND, width, solimp_limit=UNYIELDING)
-        for part in (name, BAND + name):
-            brake.wrap_joint(part, 1.0)
-        servo.armature = servo.biasprm[2] = 0.0
-        joint.armature, joint.damping = own, [follow, 0.0, 0.0]
+        servo = servos[name]
+        stiffness = float(servo.gainprm[0])
+        steep = STEEP * stiffness if scenario.dead_band_law == "step" else 0.0
+        most = (stiffness + steep) * width / 2
+        springs = {BAND: -stiffness - steep, STEP: steep}
+        for kind, gain in springs.items():
+            if gain:
+                spring = plain_actuator(spec, kind + name, name)
+                spring.set_to_position(kp=gain)
+                spring.forcelimited, spring.forcerange = True, [-most, most]
+        # beyond the band the spring takes that much from the servo's largest torque
+        if not steep and np.any(servo.forcerange):
+            servo.forcerange = servo.forcerange + np.array([-most, most])
+    (key,) = spec.keys
+    added = [robot.standing_angle(s.target) for s in spec.actuators[len(key.ctrl) :]]
+    key.ctrl = [*key.ctrl, *added]

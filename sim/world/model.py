@@ -19,15 +19,21 @@ import mujoco
 import numpy as np
 
 from models import Kinematics, ModelError, Robot
-from models.description import ON_JOINT, compile_model, elements_with_files, one_line
+from models.description import (
+    ON_JOINT,
+    actuator_of,
+    compile_model,
+    elements_with_files,
+    one_line,
+)
 from planner import Array
 from sim.scenarios.scenario import Scenario
-from sim.world.dead_bands import BAND, ensure_dead_bands
+from sim.world.dead_bands import ensure_dead_bands
 from sim.world.floor import Floor, add_bumps, ensure_floor, scene
 from sim.world.imperfections import BACKLASH, add_imperfections
 from sim.world.motors import ensure_motors
 from sim.world.sensors import add_walls, ensure_sensors
-from sim.world.servos import common_servo, ensure_servos, servo_settings
+from sim.world.servos import ensure_servos, servo_settings
 
 START = "start"
 SIZES = {mujoco.mjtJoint.mjJNT_FREE: 7, mujoco.mjtJoint.mjJNT_BALL: 4}  # in qpos
@@ -62,9 +68,7 @@ def build(robot: Robot, scenario: Scenario) -> World:
     servos = servo_settings(scenario, robot.card)
     ensure_servos(spec, robot, servos)
     ensure_motors(spec, robot, servos)
-    plain = compile_model(spec.copy(), str(robot.path)) if scenario.dead_band else None
     add_imperfections(spec, robot, floor.name, scenario)
-    ensure_dead_bands(spec, robot, scenario)
     ensure_sensors(spec, robot, floor.name, uneven=scenario.bumps > 0)
     let_down = ensure_start(spec, robot, floor)
     if scenario.bumps:
@@ -73,8 +77,17 @@ def build(robot: Robot, scenario: Scenario) -> World:
     assets = gather(spec, robot)
     model = compile_model(spec, str(robot.path))
     spec.option.integrator = suitable_integrator(model)
-    servo = common_servo(plain or model, robot)
+    servo = common_servo(model, robot)
+    ensure_dead_bands(spec, robot, scenario)
     return World(str(spec.to_xml()), assets, servo, let_down, floor.name)
+
+
+def common_servo(model: mujoco.MjModel, robot: Robot) -> tuple[float, float] | None:
+    """Stiffness and damping of all leg joints' servos, None if they differ."""
+    driving = [actuator_of(model, joint) for joint in robot.card.joints]
+    gains = model.actuator_gainprm[driving, 0], -model.actuator_biasprm[driving, 2]
+    found = set(zip(*(gain.tolist() for gain in gains), strict=True))
+    return found.pop() if len(found) == 1 else None
 
 
 def load(world: World) -> mujoco.MjModel:
@@ -110,7 +123,7 @@ def ensure_start(spec: mujoco.MjSpec, robot: Robot, floor: Floor) -> float:
     qpos = kinematics.level_qpos
     qpos[robot.root_address_in(robot.model) + 2] -= down
     for joint in spec.joints:
-        if joint.name.startswith((BACKLASH, BAND)):
+        if joint.name.startswith(BACKLASH):
             qpos = np.insert(qpos, place, 0.0)
         place += SIZES.get(joint.type, 1)
     spec.add_key(name=START, qpos=qpos, ctrl=_ctrl(spec, robot))

@@ -186,13 +186,19 @@ def _add_servo(spec: mujoco.MjSpec, robot: Robot, joint: str) -> mujoco.MjsActua
             f"joint {joint!r} has no position servo: {robot.path}; "
             "give stiffness and damping under [servo] in the card"
         )
-    on = mujoco.mjtTrn.mjTRN_JOINT
-    actuator = spec.add_actuator(name=joint, target=joint, trntype=on)
-    plain = mujoco.MjSpec().add_actuator()
-    for setting in INHERITED:  # the file's defaults are for its own actuators
-        setattr(actuator, setting, getattr(plain, setting))
+    actuator = plain_actuator(spec, joint, joint)
     actuator.set_to_position(kp=servo.stiffness, kv=servo.damping)
     actuator.armature = servo.armature
+    return actuator
+
+
+def plain_actuator(spec: mujoco.MjSpec, name: str, joint: str) -> mujoco.MjsActuator:
+    """Another actuator on a joint, without the file's defaults for its own ones."""
+    on = mujoco.mjtTrn.mjTRN_JOINT
+    actuator = spec.add_actuator(name=name, target=joint, trntype=on)
+    plain = mujoco.MjSpec().add_actuator()
+    for setting in INHERITED:
+        setattr(actuator, setting, getattr(plain, setting))
     return actuator
 
 
@@ -219,14 +225,6 @@ def _tune(servo: mujoco.MjsActuator, asked: ServoSettings) -> None:
     if asked.torque is not None:
         servo.forcelimited = True
         servo.forcerange = (-asked.torque, asked.torque)
-
-
-def common_servo(model: mujoco.MjModel, robot: Robot) -> tuple[float, float] | None:
-    """Stiffness and damping of all leg joints' servos, None if they differ."""
-    driving = [actuator_of(model, joint) for joint in robot.card.joints]
-    gains = model.actuator_gainprm[driving, 0], -model.actuator_biasprm[driving, 2]
-    found = set(zip(*(gain.tolist() for gain in gains), strict=True))
-    return found.pop() if len(found) == 1 else None
 
 
 def other_drives(robot: Robot) -> list[str]:
