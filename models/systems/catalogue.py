@@ -1,5 +1,7 @@
 """Systems shipped by name, and those of users: a file of formulas, or of Python.
 
+Shipped ones that have formulas are files beside this module, as users write them.
+
 A TOML file is data; its formulas are parsed and never executed. A field is a table of
 the rates of coordinates; coordinates that it does not name stand still. A Python file
 is executed like any program of the user. It must define a `Problem` under the name
@@ -11,8 +13,9 @@ from __future__ import annotations
 import inspect
 import runpy
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
-from typing import cast, get_type_hints
+from typing import Any, cast, get_type_hints
 
 import sympy as sp
 
@@ -26,6 +29,17 @@ from planner.planning import FlatOutputs
 from planner.support import read_file, unknown
 from planner.systems import RESERVED, read_formula
 
+FOLDER = Path(__file__).parent  # with the shipped systems that are files
+
+
+def _content(name: str) -> dict[str, Any]:
+    return parse_toml((FOLDER / f"{name}.toml").read_text())
+
+
+def _of_file(name: str, **values: object) -> Problem:
+    return _decode(name, _content(name), values)
+
+
 SYSTEMS: Mapping[str, Callable[..., Problem]] = {
     "paper-hexapod": legged.paper_hexapod,
     "biped": legged.biped,
@@ -33,12 +47,12 @@ SYSTEMS: Mapping[str, Callable[..., Problem]] = {
     "octopod-pairs": legged.octopod,
     "hexapod-trailer": legged.hexapod_with_trailer,
     "finger-gaiting": legged.finger_gaiting,
-    "unicycle": smooth.unicycle,
-    "car": smooth.car,
+    "unicycle": partial(_of_file, "unicycle"),
+    "car": partial(_of_file, "car"),
     "car-trailers": smooth.car_with_trailers,
-    "heisenberg": smooth.heisenberg,
-    "brockett": smooth.brockett,
-    "engel": smooth.engel,
+    "heisenberg": partial(_of_file, "heisenberg"),
+    "brockett": partial(_of_file, "brockett"),
+    "engel": partial(_of_file, "engel"),
     "chained": smooth.chained,
 }
 """Function that makes each problem; its arguments are the system's parameters.
@@ -46,7 +60,7 @@ SYSTEMS: Mapping[str, Callable[..., Problem]] = {
 Example:
     >>> from models import SYSTEMS
     >>> SYSTEMS["unicycle"]().goal
-    {'y': 1}
+    {'y': 1.0}
 """
 
 KINDS: Mapping[object, str] = {bool: "true or false", int: "a whole number"}
@@ -54,7 +68,10 @@ KINDS: Mapping[object, str] = {bool: "true or false", int: "a whole number"}
 
 def parameters(name: str) -> dict[str, object]:
     """The parameters of a shipped system and their defaults."""
-    signature = inspect.signature(_maker(name))
+    maker = _maker(name)
+    if isinstance(maker, partial):
+        return dict(_content(name).get("parameters", {}))
+    signature = inspect.signature(maker)
     return {key: value.default for key, value in signature.parameters.items()}
 
 
@@ -74,15 +91,15 @@ def shipped_system(name: str, values: Mapping[str, object] | None = None) -> Pro
         '1234'
     """
     values, maker, defaults = values or {}, _maker(name), parameters(name)
-    kinds = get_type_hints(maker)
+    kinds = {} if isinstance(maker, partial) else get_type_hints(maker)
     try:
         for key, value in values.items():
             if key not in defaults:
                 none = "is unknown; it has none"
                 what = unknown(key, defaults) if defaults else none
                 raise ValueError(f"{key} {what}")
-            if not _fits(value, kinds[key]):
-                kind = KINDS.get(kinds[key], "a number")
+            if not _fits(value, kinds.get(key)):
+                kind = KINDS.get(kinds.get(key), "a number")
                 raise ValueError(f"{key} is {value!r}; give {kind}")
         return maker(**values)
     except ValueError as error:

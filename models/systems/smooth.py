@@ -1,6 +1,6 @@
-"""Smooth systems of one stratum each: wheels on the floor, and chained forms.
+"""Smooth systems of as many coordinates as asked for: trailers, and chained forms.
 
-For them the method is that of Sec. 2.1; no contact changes.
+They have one stratum: the method is that of Sec. 2.1, as no contact changes.
 """
 
 from __future__ import annotations
@@ -18,33 +18,6 @@ ONLY = "0"  # the one stratum, without contacts that change
 MOST_TRAILERS = 3  # words of degree 3 + trailers double in length with each degree
 LONGEST_CHAIN = 8  # likewise
 Column = Sequence[sp.Expr | float]
-
-
-def unicycle() -> Problem:
-    """A wheel that rolls and turns; brackets of every degree remain."""
-    theta = sp.Symbol("theta")
-    return smooth(
-        name="unicycle",
-        description="a wheel that rolls and turns, moved sideways",
-        state=["x", "y", "theta"],
-        fields={"drive": [sp.cos(theta), sp.sin(theta), 0], "turn": [0, 0, 1]},
-        goal={"y": 1},
-        segments=16,
-    )
-
-
-def car(length: float = 1) -> Problem:
-    """A car that is steered by its front wheels, with that distance between axles."""
-    theta, phi = sp.symbols("theta phi")
-    drive = [sp.cos(theta), sp.sin(theta), sp.tan(phi) / length, 0]
-    return smooth(
-        name="car",
-        description="a car steered by its front wheels, parked sideways",
-        state=["x", "y", "theta", "phi"],
-        fields={"drive": drive, "steer": [0, 0, 0, 1]},
-        goal={"y": 0.1},
-        segments=4,
-    )
 
 
 def car_with_trailers(trailers: int = 1, length: float = 1) -> Problem:
@@ -91,42 +64,6 @@ def chained(size: int = 5) -> Problem:
         state=list(map(str, x)),
         fields={"g1": [1, 0, *x[1:-1]], "g2": [0, 1, *[0] * (size - 2)]},
         goal={str(x[-1]): 1},
-    )
-
-
-def heisenberg() -> Problem:
-    """Two fields whose bracket commutes with both; the area swept by x and y is z."""
-    x, y = sp.symbols("x y")
-    return smooth(
-        name="heisenberg",
-        description="Heisenberg's algebra: z is the area that x and y sweep; nilpotent",
-        state=["x", "y", "z"],
-        fields={"g1": [1, 0, -y / 2], "g2": [0, 1, x / 2]},
-        goal={"x": 1, "y": -1, "z": 1},
-    )
-
-
-def brockett() -> Problem:
-    """Brockett's nonholonomic integrator, z' = x u2 - y u1."""
-    x, y = sp.symbols("x y")
-    return smooth(
-        name="brockett",
-        description="Brockett's nonholonomic integrator, along z; nilpotent",
-        state=["x", "y", "z"],
-        fields={"g1": [1, 0, -y], "g2": [0, 1, x]},
-        goal={"z": 1},
-    )
-
-
-def engel() -> Problem:
-    """Engel's algebra: four dimensions, nilpotent of degree three."""
-    x1 = sp.Symbol("x1")
-    return smooth(
-        name="engel",
-        description="Engel's algebra, four dimensions to degree 3; nilpotent",
-        state=["x1", "x2", "x3", "x4"],
-        fields={"g1": [1, 0, 0, 0], "g2": [0, 1, x1, x1**2 / 2]},
-        goal={"x1": 1, "x2": -1, "x3": 0.5, "x4": 1},
     )
 
 
