@@ -21,7 +21,7 @@ OTHER = {
     "servo_damping": 3.21987654, "command_rate": 200.0, "resolution": 0.001,
     "payload": (0.1, 0.01, 0.0, 0.02), "slope": (0.01, 1.0), "floor_stiffness": 2e4,
     "foot_friction": (0.5, 0.6, 0.7, 0.8, 0.9, 1.0), "timestep": 0.0008,
-    "lift_height": 0.02, "zero_offset": 0.01, "backlash": 0.001,
+    "lift_height": 0.02, "zero_offset": 0.01, "backlash": 0.001, "dead_band": 0.001,
     "path": line((0.02, 0.0, 0.0)), "gait": ("12", "1", "12", "2", "12"),
     "predictions": ("quasi_static",), "learnt": (0.0,) * 90,
 }  # fmt: skip
