@@ -8,16 +8,27 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import nullcontext, redirect_stdout
 from math import degrees
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
+from models import JointServo, Robot, ServoKind, load
+from models.description import (
+    BOARD_CLOCK,
+    CLOCKS,
+    FOLDER,
+    KNOWN_SERVOS,
+    board_divider,
+    board_rate,
+)
 from planner.support import read_file
 from sim.commands import options as cli
 from sim.endings import again, keeping, way_on
 from sim.errors import RenderError, UsageError
-
-if TYPE_CHECKING:
-    from models import JointServo, Robot, ServoKind
-    from sim.folder import RunFolder
+from sim.export.calibration import card_with, draw, joint_servo, marks, sheet, strokes
+from sim.export.header import filled, write_header
+from sim.export.servo_table import servo_table
+from sim.export.source import write_ticks
+from sim.folder import RunFolder, ensure_folder, whole
+from sim.reports.templates import render
 
 BOARD_CHANNELS, BUS_NUMBERS = range(16), range(1, 254)
 MEGAHERTZ = 1e6  # [Hz]
@@ -29,8 +40,6 @@ SKETCH, SCRIPT, PAGE, SHEET = "jog.ino", "bus.py", "index.html", "feet.svg"
 
 def calibrate(options: argparse.Namespace) -> None:
     """Ask for what is not known yet, and write the card; or write strokes to check."""
-    from sim.folder import RunFolder, ensure_folder
-
     robot = cli.robot_of(options, options.robot)
     kind = _kind(robot)
     folder = RunFolder(ensure_folder(Path(options.out)))
@@ -45,7 +54,6 @@ def calibrate(options: argparse.Namespace) -> None:
 
 
 def _kind(robot: Robot) -> ServoKind:
-    from models.description import KNOWN_SERVOS
 
     card = robot.card.servo
     if card is not None and card.made:
@@ -58,11 +66,6 @@ def _prepare(
     robot: Robot, kind: ServoKind, folder: RunFolder, options: argparse.Namespace
 ) -> None:
     """Write what jogs the servos, and the page with the pictures of the joints."""
-    from models.description import BOARD_CLOCK, board_divider, board_rate
-    from sim.export.calibration import draw, marks, sheet
-    from sim.export.header import filled
-    from sim.reports.templates import render
-
     tool = SKETCH if kind.signal == "pulse" else SCRIPT
     rate = kind.command_rate
     text = filled(
@@ -89,9 +92,6 @@ def _prepare(
 
 def _owned(robot: Robot, folder: RunFolder, options: argparse.Namespace) -> Robot:
     """The robot whose card is written: a copy in the folder of one that is shipped."""
-    from models import load
-    from models.description import FOLDER
-
     source = robot.path
     if robot.has_card_inside:
         remedy = f"move it to {source.with_suffix('.toml')}, and go on: {again()}"
@@ -111,9 +111,6 @@ def _calibrated(
     robot: Robot, kind: ServoKind, folder: RunFolder, options: argparse.Namespace
 ) -> Mapping[str, str]:
     """Ask for every servo that the card does not have, and write it at once."""
-    from sim.export.calibration import card_with
-    from sim.folder import whole
-
     card, file = robot.card, robot.path.with_suffix(".toml")
     known, pulse = dict(card.joint_servos), kind.signal == "pulse"
     clock = card.board_clock if "[board]" in robot.card_text else None
@@ -138,7 +135,6 @@ def _calibrated(
 
 def _clock(ask: _Asker) -> float | None:
     """The board's clock [Hz]; None where it is not measured."""
-    from models.description import CLOCKS
 
     def read(text: str) -> float | None:
         clock, (low, high) = MEGAHERTZ * float(text) if text else None, CLOCKS
@@ -157,9 +153,6 @@ def _found(
     ask: _Asker,
 ) -> Iterator[tuple[str, JointServo]]:
     """Servos of joints, channel after channel, until every joint has one."""
-    from models.description import BOARD_CLOCK
-    from sim.export.calibration import joint_servo, marks
-
     clock, taken = clock or BOARD_CLOCK, {servo.channel for servo in known.values()}
     left = [joint for joint in robot.card.joints if joint not in known]
     channels = BOARD_CHANNELS if kind.signal == "pulse" else BUS_NUMBERS
@@ -222,11 +215,6 @@ class _Asker:
 
 def _check(robot: Robot, kind: ServoKind, folder: RunFolder) -> Mapping[str, str]:
     """Write three strokes for the servos that the card has."""
-    from sim.export.calibration import strokes
-    from sim.export.header import write_header
-    from sim.export.servo_table import servo_table
-    from sim.export.source import write_ticks
-
     card = robot.card
     if missing := [joint for joint in card.joints if joint not in card.joint_servos]:
         what = f"no servo for joint {missing[0]!r}"

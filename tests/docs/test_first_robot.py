@@ -48,7 +48,7 @@ def begun(words, shown, capsys):
 @pytest.mark.usefixtures("told")
 def test_calibrating_prints_what_is_shown(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("sim.export.calibration.draw", lambda *_, **__: None)
+    monkeypatch.setattr("sim.commands.calibrate.draw", lambda *_, **__: None)
     for words, shown in sessions():
         if words[0] in ("calibrate", "robots"):
             begun(words, shown, capsys)

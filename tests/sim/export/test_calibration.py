@@ -73,7 +73,7 @@ class Board:
 @pytest.fixture
 def calibrate(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(calibration, "draw", lambda *_, **__: None)
+    monkeypatch.setattr("sim.commands.calibrate.draw", lambda *_, **__: None)
 
     def begin(answer, *words):
         monkeypatch.setattr("builtins.input", answer)
