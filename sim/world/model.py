@@ -19,19 +19,13 @@ import mujoco
 import numpy as np
 
 from models import Kinematics, ModelError, Robot
-from models.description import (
-    ON_JOINT,
-    actuator_of,
-    compile_model,
-    elements_with_files,
-    one_line,
-)
+from models.description import ON_JOINT, compile_model, elements_with_files, one_line
 from planner import Array
 from sim.scenarios.scenario import Scenario
 from sim.world.dead_bands import ensure_dead_bands
 from sim.world.floor import Floor, add_bumps, ensure_floor, scene
 from sim.world.imperfections import BACKLASH, add_imperfections
-from sim.world.motors import ensure_motors
+from sim.world.motors import common_servo, ensure_motors
 from sim.world.sensors import add_walls, ensure_sensors
 from sim.world.servos import ensure_servos, servo_settings
 
@@ -80,14 +74,6 @@ def build(robot: Robot, scenario: Scenario) -> World:
     servo = common_servo(model, robot)
     ensure_dead_bands(spec, robot, scenario)
     return World(str(spec.to_xml()), assets, servo, let_down, floor.name)
-
-
-def common_servo(model: mujoco.MjModel, robot: Robot) -> tuple[float, float] | None:
-    """Stiffness and damping of all leg joints' servos, None if they differ."""
-    driving = [actuator_of(model, joint) for joint in robot.card.joints]
-    gains = model.actuator_gainprm[driving, 0], -model.actuator_biasprm[driving, 2]
-    found = set(zip(*(gain.tolist() for gain in gains), strict=True))
-    return found.pop() if len(found) == 1 else None
 
 
 def load(world: World) -> mujoco.MjModel:
