@@ -59,7 +59,7 @@ def test_calibrating_prints_what_is_shown(tmp_path, monkeypatch, capsys):
 @pytest.mark.usefixtures("told")
 def test_the_whole_way_is_walked_as_shown(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("sim.export.calibration.draw", lambda *_, **__: None)
+    monkeypatch.setattr("sim.commands.calibrate.draw", lambda *_, **__: None)
     for words, shown in sessions():
         begun(words, shown, capsys)
 
