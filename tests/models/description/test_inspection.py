@@ -2,10 +2,12 @@
 
 import os
 import re
+import subprocess
 import time
 
 import pytest
 
+from models.description import inspection
 from models.description.inspection import Limits, inspect_model
 from models.description.robot import FOLDER
 from models.errors import ModelError
@@ -33,6 +35,12 @@ def robot(tmp_path):
         return own / "mine.xml"
 
     return write
+
+
+@pytest.fixture
+def alone(monkeypatch):
+    """Models are tried in processes of their own, as everywhere but in tests."""
+    monkeypatch.setattr(inspection, "subprocess", subprocess)
 
 
 def mesh(path):
@@ -110,7 +118,7 @@ def test_a_card_behind_a_link_is_outside_too(robot, elsewhere):
     assert load(str(path), allow_external=True).legs == (1, 2, 3, 4, 5, 6)
 
 
-def test_a_folder_behind_a_link_is_the_models_own(robot, tmp_path):
+def test_a_folder_behind_a_link_is_the_models_own(robot, tmp_path, alone):
     path = robot('<asset><mesh name="m" file="m.obj"/></asset>')
     mesh(path.parent / "m.obj")
     (tmp_path / "link").symlink_to(path.parent)
@@ -146,7 +154,7 @@ BOMBS = {
 
 @pytest.mark.full
 @pytest.mark.parametrize("more", BOMBS.values(), ids=BOMBS)
-def test_a_model_that_grows_without_end_is_refused_in_time(robot, more):
+def test_a_model_that_grows_without_end_is_refused_in_time(robot, more, alone):
     path = robot(more)
     (path.parent / "many.txt").write_text(f"<mujoco>{MANY}</mujoco>")
     began = time.monotonic()
@@ -155,14 +163,14 @@ def test_a_model_that_grows_without_end_is_refused_in_time(robot, more):
     assert time.monotonic() - began < LIMIT
 
 
-def test_memory_is_limited(robot):
+def test_memory_is_limited(robot, alone):
     """The compiler itself would take this model, at twice its 0.6 GB."""
     field = '<hfield name="h" nrow="12000" ncol="12000" size="1 1 1 1"/>'
     with pytest.raises(ModelError, match="too large: .*more than 30 s or 1 GB"):
         inspect_model(robot(f"<asset>{field}</asset>"), limits=Limits(30, 10**9, ""))
 
 
-def test_text_in_another_encoding_is_refused_by_its_line(robot):
+def test_text_in_another_encoding_is_refused_by_its_line(robot, alone):
     path = robot('<!-- é -->\n<custom><text name="a" data="é"/></custom>')
     path.write_bytes(path.read_text().encode("latin-1"))
     before, _, _ = path.read_text("latin-1").partition("<custom>")
@@ -187,7 +195,7 @@ def test_a_file_that_is_missing_is_named(robot):
         load(str(path))
 
 
-def test_a_compiled_model_leaves_room_for_its_copies(robot):
+def test_a_compiled_model_leaves_room_for_its_copies(robot, alone):
     """Such a model compiles at once; each array of its sensors would have 0.6 GB."""
     sensor = '<user name="u" dim="70000000" datatype="real" needstage="pos"/>'
     with pytest.raises(ModelError, match="too large: .*; compiled it has 0.6 GB"):
