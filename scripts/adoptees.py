@@ -2,10 +2,14 @@
 
 Their legs stick out straight or are bent, stand around the body or along it, have two
 joints or three, motors, servos or nothing, names or none.
+
+Example:
+    python -m scripts.adoptees spider
 """
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import cos, pi, sin
@@ -88,3 +92,9 @@ TEMPLATES = Environment(
 TEMPLATES.filters |= {"g": "{:.6g}".format, "fixed": "{:.9f}".format}
 TEMPLATES.globals |= {"COXA": COXA, "FEMUR": FEMUR, "TIBIA": TIBIA, "RADIUS": RADIUS}
 TEMPLATES.globals |= {"STEEP": STEEP, "DRIVES": DRIVES, "cos": cos, "sin": sin}
+
+
+if __name__ == "__main__":
+    for adoptee in ADOPTEES:
+        if adoptee.name in sys.argv[1:]:
+            print(adoptee.write(Path()))

@@ -18,6 +18,7 @@ from planner import Array
 LIFT_TIME = 0.6  # [s]; a foot that bears little is shaken off by faster lifts
 LARGEST_LIFT = 0.3  # [rad]
 NAMES = "123456789"
+GAIN = "# leg = angle of its swing joint for each radian of the group"
 
 
 @dataclass(frozen=True)
@@ -53,7 +54,7 @@ def alternating(
         swings.append({i: sense * limbs[i].turn * float(gain) for i, gain in pairs})
         gains = ", ".join(f"{i + 1} = {gain:.9g}" for i, gain in swings[-1].items())
         lines += ["", f"[group.{name}]  # turns the body about ({x:.4f}, {y:.4f})"]
-        lines.append(f"legs = {{ {gains} }}")
+        lines.append(f"legs = {{ {gains} }}  {GAIN}")
         if reach is not None and reach.touching:
             lines.append(f"swing = [{-reach.swing:.4g}, {reach.swing:.4g}]")
         legs = " ".join(str(i + 1) for i in stand.legs)
@@ -73,7 +74,7 @@ def rowing(limbs: Sequence[Limb], crawl: Crawl) -> GaitDraft:
     names = NAMES[: len(limbs)]
     singles = [names.replace(name, "") for name in names]
     strata = [names, *(s for single in singles for s in (single, names))]
-    lines = ["", "[group]  # a positive angle turns a leg anticlockwise"]
+    lines = ["", "[group]  # legs = { leg = angle of its swing joint for a radian }"]
     lines += [
         f"{name} = {{ legs = {{ {name} = {limb.turn:g} }} }}"
         for name, limb in zip(names, limbs, strict=True)

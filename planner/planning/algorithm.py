@@ -31,10 +31,11 @@ from planner.systems.elements import parse
 from planner.systems.flows import Flow, contact_switches, require_flows, visits
 from planner.systems.strata import StratifiedSystem
 
+SHOWN = 3  # segments of a plan in words, before its last one
 MOST_TRIED = 10_000  # segments, where a plan needs more of them to keep its limits
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Plan:
     """Flows that take a system along a path (Sec. 5.2).
 
@@ -121,17 +122,27 @@ class Plan:
         for first, last in pairwise((0, *self.segment_ends)):
             yield self.flows[first:last]
 
+    @property
+    def _size(self) -> str:
+        segments = len(self.segment_ends)
+        return (
+            f"{segments} segment{'s' * (segments > 1)}, {len(self.flows)} flows, "
+            f"{self.contact_switches} contact switches"
+        )
+
+    def __repr__(self) -> str:
+        return f"<Plan: {self._size}>"
+
     def __str__(self) -> str:
         def written(stay: Sequence[Flow]) -> str:
             moves = " ".join(f"{f.duration:+.6g} {f.field}" for f in stay)
             return f"S{stay[0].stratum} {moves}"
 
-        lines = [
-            f"{len(self.segment_ends)} segments, {len(self.flows)} flows, "
-            f"{self.contact_switches} contact switches; "
-            f"elements {', '.join(self.elements)}"
-        ]
-        for k, flows in enumerate(self.segments(), start=1):
+        lines = [f"{self._size}; elements {', '.join(self.elements)}"]
+        *first, last = enumerate(self.segments(), start=1)
+        for k, flows in (*first[:SHOWN], last):
+            if k > SHOWN + 1:
+                lines.append(f"      and {k - SHOWN - 1} more; segments() has them all")
             lines.append(f"{k:4d}  " + " | ".join(map(written, visits(flows))))
         return "\n".join(lines)
 

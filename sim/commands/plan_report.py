@@ -52,12 +52,12 @@ class Accuracy:
             yield f"{'accuracy':10}exact at {degree}: no brackets are left out"
             return
         yield (
-            f"{'accuracy':10}with n segments the error falls as n^-{self.order:.3g} "
-            f"({degree}, brackets of degree {self.bracket_degree})"
+            f"{'accuracy':10}with n segments the error falls as n^-{self.order:.3g}: "
+            f"words exact to {degree}, brackets to degree {self.bracket_degree} needed"
         )
         if self.faster:
             offers = (f"{_power(o)} with {what}" for what, o in self.faster.items())
-            more = "more elements than it needs make the error smaller"
+            more = "further brackets among --elements make the error smaller"
             yield f"{'faster':10}it falls as {', as '.join(offers)}; {more}"
 
 
@@ -88,13 +88,13 @@ class Steps:
         first, critical = self.first, self.critical
         head = f"{'steps':10}{first:.3g} long"
         if exact and critical is None:
-            return f"{head}; a plan halves the distance at least, however long they are"
+            return f"{head}; any step, however long, leaves at most half of its way"
         if critical == 0:
             return f"{head}; planning again converges for no length in this direction"
+        upto = "planning again from where a plan ended converges to the goal"
         if critical is None:
-            return f"{head}; planning again converges, also for steps twice as long"
-        these = f"steps up to {critical:.3g}, the critical one"
-        upto = f"planning again converges for {these}"
+            return f"{head}; {upto}, also for steps twice as long"
+        upto += f" for steps up to {critical:.3g} (the critical step)"
         if first <= critical:
             return f"{head}; {upto}"
         needed = math.ceil(segments * first / critical)
@@ -186,7 +186,7 @@ def of_walk(problem: ScenarioProblem, planned: Plan, prospect: Prospect) -> Repo
     lines.append(f"{'gait':10}{' '.join(scenario.gait or robot.card.gait)}")
     lines += (f"{'':10}{line}" for line in GAIT)
     lines.append(f"{'strokes':10}{travel[True]:.3f} rad in all; {STROKE}")
-    legs = f"legs swing to {largest:.3f} rad"
+    legs = f"legs swing by up to {largest:.3f} rad"
     lines.append(f"{'walks':10}{far:.3f} m for a path of {length:.3f} m, {legs}")
     if least is not None:
         bound = f"no plan that keeps as near takes less than {least:.2f} s"
@@ -228,8 +228,8 @@ def of_system(name: str, planned: Plan, prospect: Prospect | None = None) -> Rep
     ends = ", ".join(f"{name} {value:z.4f}" for name, value in named(reached).items())
     share = 100 * error / way if way else 0.0
     lines = [
-        f"{name}: {count} segments, {len(planned.flows)} flows for a time of "
-        f"{time:.4g} in all, {switches} contact switches",
+        f"{name}: {count} segment{'s' * (count > 1)}, {len(planned.flows)} flows that "
+        f"take a time of {time:.4g}, {switches} contact switches",
         f"{'steers by':10}{', '.join(planned.elements)}",
         f"{'ends at':10}{ends}",
         f"{'off goal':10}{error:.3g}, {share:.3g} % of the way",

@@ -50,7 +50,10 @@ def sweep(options: argparse.Namespace) -> ExitCode:
         def show(done: int, failed: int, count: int) -> None:
             nonlocal far, first
             far = f"{done} of {count} points are done, they"
-            first = done if first is None else first  # which count for no pace
+            if first is None:
+                first = done  # which count for no pace
+                if not options.json:
+                    print(f"{count} points, {done} of them done before", flush=True)
             about = f"points, {done} of {count} done, {failed} failed"
             progress(about, (done - first) / max(count - first, 1))
 

@@ -111,7 +111,8 @@ COLUMNS = tuple(quantity for quantity in OF_ROWS if quantity.column)
 LINES = tuple(quantity for quantity in OF_ROWS if not quantity.column)
 WORDS = (
     "terms        margin: least distance of the centre of mass inside the support",
-    "             slip: way that standing feet slide; more in docs/glossary.md",
+    "             slip: way that standing feet slide; switch slip: that while legs",
+    "             lift and land; more in docs/glossary.md",
 )
 HEADS = "".join(f"{quantity.column:>{quantity.width}}" for quantity in COLUMNS)
 HEADER = f"{'':13}{'ends at x, y [m], yaw [rad]':33}{'from the achieved end':23}{HEADS}"

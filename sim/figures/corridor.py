@@ -25,7 +25,7 @@ from sim.figures import style
 from sim.figures.paper import PaperWalk, walk
 from sim.figures.physics import Job, Walked
 from sim.figures.sheet import Shown
-from sim.figures.style import IDEAL, MM, NOMINAL, PATHS
+from sim.figures.style import IDEAL, INK, MM, NOMINAL, PATHS
 from sim.obstacles.clearance import Surroundings, surroundings
 from sim.palette import Style
 from sim.preparation.setup import prepare
@@ -38,10 +38,12 @@ SWEEPS = 1600  # outlines that make up what is swept
 PANELS = (("a", "c"), ("b", "d"))  # a map, and the course of clearance below it
 SHARE = np.linspace(0, 1, 301)
 WALL, OUTLINE = palette.OBSTACLE.hex, palette.OUTLINE.hex
+NEAR = 0.025  # [m] to either side of where the path is magnified
+INSET = (0.7, 0.07, 0.22, 0.22)  # left, bottom, width and height, of the panel
 UNCUT = {"min_clearance": -1, "steer": "ideal"}
 WALKS = {
-    "corridor-coarse": Job("corridor", UNCUT, cost=35),
-    "corridor": Job("corridor", cost=80),
+    "corridor-coarse": Job("corridor", UNCUT, cost=7),
+    "corridor": Job("corridor", cost=12),
 }
 
 
@@ -52,13 +54,13 @@ def paper(axes: Mapping[str, Axes]) -> Shown:
         walked, slack = made.through(cuts), made.slack(cuts)
         nominal = recut(made.path, cuts).at(SHARE)
         (standing, _), (least, _) = map(made.clearance, (nominal, walked.states))
-        _draw_place(
-            axes[above], made.around, made.qpos(walked.states), least, 1 / PIVOT
-        )
+        qpos, at = made.qpos(walked.states), walked.states[least.argmin()]
+        _draw_place(axes[above], made.around, qpos, least, 1 / PIVOT)
         line: Style = {"color": NOMINAL, "label": "nominal path", "zorder": 4}
-        axes[above].plot(*nominal[:, :2].T, "--", **line)
         centre: Style = {"linewidth": 0.7, "label": "body centre, walked"}
-        axes[above].plot(*walked.states[:, :2].T, color=IDEAL, **centre)
+        for panel in (axes[above], _magnified(axes[above], at[:2], NEAR / PIVOT)):
+            panel.plot(*nominal[:, :2].T, "--", **line)
+            panel.plot(*walked.states[:, :2].T, color=IDEAL, **centre)
         count = len(cuts) - 1
         course: Style = {"color": NOMINAL, "label": "nominal path, legs at rest"}
         axes[below].plot(0.5 + count * SHARE, standing, "--", **course)
@@ -81,7 +83,9 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
     for (above, below), walked in zip(PANELS, made, strict=True):
         clearance, summary = walked.clearance, walked.summary
         _draw_place(axes[above], around, walked.qpos, clearance["achieved"], MM)
-        style.draw_walk(axes[above], walked)
+        at = MM * walked.pose["achieved"][clearance["achieved"].argmin(), :2]
+        for panel in (axes[above], _magnified(axes[above], at, MM * NEAR)):
+            style.draw_walk(panel, walked)
         _draw_clearance(axes[below], walked)
         least = (clearance[n].min() for n in ("ideal", "quasi_static", "achieved"))
         counts = summary.wall_contacts, summary.contact_switches
@@ -123,6 +127,16 @@ def _draw_place(
     rim = 0.02 * (right - x)
     axes.set(xlim=(x - rim, right + rim), ylim=(y - rim, top + rim))
     axes.grid(visible=False)
+
+
+def _magnified(axes: Axes, middle: Array, half: float) -> Axes:
+    """What is around a point, magnified in the corner that the robot never reaches."""
+    x, y = middle
+    limits: Style = {"xlim": (x - half, x + half), "ylim": (y - half, y + half)}
+    part = axes.inset_axes(INSET, xticks=[], yticks=[], **limits)
+    part.grid(visible=False)
+    axes.indicate_inset_zoom(part, edgecolor=INK, alpha=1.0)
+    return part
 
 
 def _fill(axes: Axes, area: shapely.Geometry, scale: float, **look: object) -> None:

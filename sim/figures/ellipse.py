@@ -18,7 +18,7 @@ from sim.palette import Style
 SEGMENTS_AROUND = 60
 SEMI_AXES = (5.0, 3.0)  # of the shape of the scenario `ellipse`
 TABLE_ROWS = 12
-WALKS = {"ellipse": Job("ellipse", cost=20)}
+WALKS = {"ellipse": Job("ellipse", cost=9)}
 
 
 def paper(axes: Mapping[str, Axes]) -> Shown:
@@ -34,8 +34,8 @@ def paper(axes: Mapping[str, Axes]) -> Shown:
     dots: Style = {"color": INK, "markersize": 1.5, "label": "segment ends"}
     axes["a"].plot(*walked.states[walked.ends, :2].T, "o", **dots)
     segment = np.arange(1, SEGMENTS_AROUND + 1)
-    axes["b"].step(segment, widths, where="mid", color=IDEAL, label="walked")
-    axes["b"].set_ylim(0, 1.35 * widths.max())  # room for the key
+    axes["b"].step(segment, widths, where="mid", color=IDEAL)
+    axes["b"].set_ylim(bottom=0)
     label = "least to largest"
     style.band(axes["c"], least, most, colour=IDEAL, alpha=0.45, label=label)
     axes["c"].axhline(0, color=NOMINAL, linestyle="--", label="nominal")

@@ -22,7 +22,9 @@ FINER = len(TUBE_SEGMENTS) // 2  # from which on their power is that of the limi
 METRES_GOAL = (0.03, 0.03, 0.0)
 METRES_LENGTH = 0.03 * np.sqrt(2)
 WALKS = {
-    f"line-{n}": Job("line", {"path.goal": METRES_GOAL, "segments": n}, cost=3 + n / 8)
+    f"line-{n}": Job(
+        "line", {"path.goal": METRES_GOAL, "segments": n}, cost=0.6 + n / 10
+    )
     for n in SEGMENTS
 }
 

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, MutableSequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from functools import partial
 from multiprocessing import active_children, get_context
 
 import numpy as np
@@ -38,7 +37,7 @@ class Job:
     scenario: str
     changes: Mapping[str, object] = field(default_factory=dict)
     flows: tuple[Flow, ...] = ()  # carried out instead of a plan for the scenario
-    cost: float = 4.0  # about how long it takes [s], for estimates
+    cost: float = 0.4  # about how much CPU it takes [s], for estimates
 
 
 @dataclass(frozen=True)
@@ -69,12 +68,22 @@ class Walked:
         return np.append(np.flatnonzero(np.diff(self.segment)), len(self.segment) - 1)
 
 
-def perform(job: Job) -> Walked:
-    """Make one walk."""
+Walks = Mapping[str, Future[Walked]]
+_walked: MutableSequence[float]  # in a process of the pool
+
+
+def perform(job: Job, told: Callable[[float], object] = lambda part: None) -> Walked:
+    """Make one walk; how much of it is walked is told from time to time."""
     settings = {"sample_every": SAMPLE_EVERY, **job.changes}
     scenario = load_scenario(job.scenario, settings)
     if not job.flows:
-        return _gathered(simulate(scenario, without=WITHOUT).evaluation)
+
+        def progress(stage: str, part: float) -> None:
+            if stage == "walking":
+                told(part)
+
+        done = simulate(scenario, without=WITHOUT, progress=progress)
+        return _gathered(done.evaluation)
     walker = Walker(prepare(scenario))
     walker.stand()
     walker.go([job.flows])
@@ -82,24 +91,41 @@ def perform(job: Job) -> Walked:
 
 
 @contextmanager
-def begun(
-    jobs: Mapping[str, Job], finished: Callable[[Job, Future[Walked]], None]
-) -> Iterator[Mapping[str, Future[Walked]]]:
-    """Walks being computed in parallel, one on each core."""
+def begun(jobs: Mapping[str, Job]) -> Iterator[tuple[Walks, Callable[[], float]]]:
+    """Walks being computed in parallel, one on each core, and how much is done [s]."""
     cores = min(len(os.sched_getaffinity(0)), len(jobs)) or 1
-    with ProcessPoolExecutor(cores, mp_context=get_context("spawn")) as pool:
+    context = get_context("spawn")
+    walked = context.Array("d", len(jobs) or 1, lock=False)  # share of each, in order
+    costs = np.array([job.cost for job in jobs.values()])
+    with ProcessPoolExecutor(cores, context, _share, (walked,)) as pool:
         try:
-            later_first = list(jobs)[::-1]  # later figures walk farther
+            later_first = [*enumerate(jobs)][::-1]  # later figures walk farther
             with deaf():
-                walks = {name: pool.submit(perform, jobs[name]) for name in later_first}
-            for name, walk in walks.items():
-                walk.add_done_callback(partial(finished, jobs[name]))
-            yield walks
+                walks = {
+                    name: pool.submit(_perform, jobs[name], number)
+                    for number, name in later_first
+                }
+            yield walks, lambda: float(costs @ walked[: len(costs)])
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             for process in active_children():
                 process.kill()
             raise
+
+
+def _share(walked: MutableSequence[float]) -> None:
+    """Where a process tells of its walks."""
+    global _walked
+    _walked = walked
+
+
+def _perform(job: Job, number: int) -> Walked:
+    def told(part: float) -> None:
+        _walked[number] = part
+
+    made = perform(job, told)
+    told(1.0)
+    return made
 
 
 def _gathered(evaluation: Evaluation) -> Walked:

@@ -7,8 +7,8 @@ holds its caption; the module of its figure computes the numbers and draws them.
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, wait
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, wait
 from dataclasses import dataclass, field
 from functools import cache
 from importlib import import_module
@@ -17,7 +17,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from sim.figures import NAMES
-from sim.figures.physics import Job, Walked, begun
+from sim.figures.physics import Job, Walked, Walks, begun
 from sim.figures.style import STYLE, sheet_of
 from sim.folder import RunFolder, csv_text, whole
 from sim.palette import Style
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 FORMATS = ("png", "svg")
 SHARED = {"biped": "strata", "quadruped": "strata"}  # modules, of two figures each
 KINDS = ("paper", "metres")
-SHEET = 1.0  # about how long a sheet takes [s], for estimates
+OFTEN = 1.0  # [s] after which it is told how far the walks are
 LAYOUTS = Path(__file__).with_name("sheets.toml")
 Cell = str | int | float
 
@@ -105,6 +105,7 @@ class Layout:
     arguments: Style = field(default_factory=dict)  # of what draws it
     key: str = ""  # letter of the panel whose key stands below all of them
     key_columns: int = 0  # 0 for a single row
+    cost: float = 1.2  # about how much CPU it takes [s], for estimates
 
 
 @dataclass(frozen=True)
@@ -129,7 +130,8 @@ def drawn(figure: str, kind: str, walks: Mapping[str, Walked] | None = None) -> 
         shown: Shown = getattr(module, kind)(axes, *data, **layout.arguments)
         for letter, panel in layout.panels.items():
             title = panel.title.format(**shown.words)
-            panel.finish(axes[letter], f"({letter}) {title}")
+            several = f"({letter}) " * (len(axes) > 1)
+            panel.finish(axes[letter], several + title)
         canvas.suptitle(layout.title, x=0.01, ha="left", fontweight="bold")
         if layout.key:
             handles, labels = axes[layout.key].get_legend_handles_labels()
@@ -201,27 +203,26 @@ def draw(
         name: getattr(_module(name), "WALKS", {}) for name in names
     }
     jobs = {walk: job for walks in needed.values() for walk, job in walks.items()}
+    costs = {
+        (name, kind): _layouts()[name][kind].cost for name in names for kind in KINDS
+    }
+    whole = sum(job.cost for job in jobs.values()) + sum(costs.values())
     done: dict[tuple[str, str], Sheet] = {}
-    whole = sum(job.cost for job in jobs.values()) + SHEET * len(KINDS) * len(names)
-    worked = 0.0
+    with begun(jobs) as (walks, walked):
 
-    def work(seconds: float) -> None:
-        nonlocal worked
-        worked += seconds
-        progress("figures", min(worked / whole, 1.0))
+        def report() -> None:
+            progress("figures", (walked() + sum(costs[at] for at in done)) / whole)
 
-    with begun(jobs, lambda job, _: work(job.cost)) as walks:
-        for name, kind, sheet in _sheets(needed, walks):
+        for name, kind, sheet in _sheets(needed, walks, report):
             save(sheet, folder.path)
             done[name, kind] = sheet
-            work(SHEET)
+            report()
             yield sheet
-    in_order = [done[name, kind] for name in names for kind in KINDS]
-    folder.write_text("figures.md", page(in_order))
+    folder.write_text("figures.md", page([done[at] for at in costs]))
 
 
 def _sheets(
-    needed: Mapping[str, Mapping[str, Job]], walks: Mapping[str, Future[Walked]]
+    needed: Mapping[str, Mapping[str, Job]], walks: Walks, report: Callable[[], object]
 ) -> Iterator[tuple[str, str, Sheet]]:
     """Name of the figure, kind and sheet, in the order in which they can be drawn."""
     for name in needed:
@@ -233,4 +234,5 @@ def _sheets(
             made = {walk: walks[walk].result() for walk in waiting.pop(name)}
             yield name, "metres", drawn(name, "metres", made)
         left = [walks[walk] for own in waiting.values() for walk in own]
-        wait([w for w in left if not w.done()], return_when=FIRST_COMPLETED)
+        wait([w for w in left if not w.done()], OFTEN, FIRST_COMPLETED)
+        report()

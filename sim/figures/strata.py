@@ -29,7 +29,7 @@ from sim.palette import Style
 ABSENT = palette.OUTLINE.hex  # sets of feet that are no strata
 Place = tuple[float, float]
 VIEW = {"elev": 24, "azim": -52}  # of the sheets [degrees]
-LANE, HIGH = 0.07, 0.2  # of arrows beside their edges; half the bottom's height
+LANE, HIGH = 0.07, 0.25  # of arrows beside their edges; half the bottom's height
 SPREAD, NUMBERED = 0.62, 0.4  # of edges at the bottom; of the way to a step's number
 
 
@@ -83,7 +83,7 @@ def metres(
         kinematics, gait = Kinematics(robot), robot.card.gait
         margins = {s: margin_at_rest(kinematics, s) for s in dict.fromkeys(gait)}
         graph = graph_of(equations(robot).system, gait)
-        draw_graph(panel, graph, {s: f"{MM * m:.0f} mm" for s, m in margins.items()})
+        draw_graph(panel, graph, {s: f"${MM * m:.0f}$ mm" for s, m in margins.items()})
         for row in _rows(name, graph):
             rows.append((*row, margins[str(row[1]).removeprefix("S")]))
     _add_key(axes["a"])
@@ -138,7 +138,7 @@ def draw_graph(
         ends = _ends(nodes[one], nodes[other], bottom)
         _draw_step(axes, ends, [boxes[one], boxes[other]], number)
     axes.set_axis_off()
-    axes.margins(x=0.2, y=0.14)
+    axes.margins(x=0.2, y=0.08)
 
 
 def _ends(one: Node, other: Node, bottom: Node) -> list[Place]:

@@ -194,7 +194,7 @@ def steer_along(setup: Setup, twists: TwistModel) -> Plan:
         try:
             planned = plan_along(setup, _path(setup, goals[0], aims), steady)
         except RangeError:
-            if best is None or least <= tolerable:
+            if best is None:
                 raise
             break  # the aims diverge
         ends = segment_ends(setup, planned, twists)
@@ -209,7 +209,8 @@ def steer_along(setup: Setup, twists: TwistModel) -> Plan:
         slow = len(tried) > PLAIN_ROUNDS
         aims = _extrapolated(tried, corrected) if slow else corrected[-1]
     if best is None or least > tolerable:
-        raise _failure(setup, worst - 1, float(least))  # misses[0] is the start's
+        segment = f"segment {worst} of {len(wanted)}"  # misses[0] is the start's
+        raise unaimed(setup, segment, float(least))
     return best
 
 
@@ -250,7 +251,8 @@ def steer_towards(
             best, least = step, miss
         aim = compose(aim, relative(got, wanted))
     if best is None or least > TOLERATED_JUMP * np.abs(wanted).max():
-        raise _failure(setup, segment, least)
+        what = f"segment {segment + 1} of {setup.scenario.segments}"
+        raise unaimed(setup, what, least)
     return best
 
 
@@ -285,10 +287,13 @@ def _path(setup: Setup, start: Array, aims: Array) -> Path:
     return Path(at, corners=tuple(where[1:-1]))
 
 
-def _failure(setup: Setup, segment: int, miss: float) -> ConvergenceError:
+def unaimed(setup: Setup, what: str, miss: float) -> ConvergenceError:
+    """The error of what steering does not bring to its end, and what may help."""
     scenario = setup.scenario
+    ways = f"--segments {2 * scenario.segments}, or steer on another one"
+    if scenario.fields == "paper":
+        ways = f"--set fields=lifted, so that no foot has to drag, {ways}"
     return ConvergenceError(
-        f"segment {segment + 1} of {scenario.segments} still misses its end by "
-        f"{1e3 * miss:.3g} mm or mrad, steered on the {scenario.steer} prediction; "
-        "use more segments, or steer on another one"
+        f"{what} still misses its end by {1e3 * miss:.3g} mm or mrad, steered on the "
+        f"{scenario.steer} prediction; {ways}"
     )

@@ -10,14 +10,19 @@ from functools import cached_property, partial
 import numpy as np
 
 from models import mobility_of
-from planner import Array, Plan, PlannerError, play
+from planner import Array, Plan, PlannerError, RangeError, play
 from planner.optimisation import FLOW_SAMPLES, Optimiser
 from planner.planning import recut
 from sim.motion.poses import PathDeviation, path_deviation, wrap
 from sim.optimisation.judging import Judge, criterion_of, task_of
 from sim.optimisation.lower_bound import least_time
 from sim.planning.bounds import within_bounds
-from sim.planning.open_loop import plan_along, plan_open_loop, plan_replanned
+from sim.planning.open_loop import (
+    plan_along,
+    plan_open_loop,
+    plan_replanned,
+    unaimed,
+)
 from sim.planning.routes import routed
 from sim.planning.soundness import require_sound
 from sim.preparation.reach import explained, immobile, require_reach
@@ -126,7 +131,13 @@ class ScenarioProblem(Problem):
         tried: list[tuple[float, Solution]] = []
         for _ in range(AIMS):
             problem = self.beside(offset)
-            found = super(ScenarioProblem, problem).solve()
+            try:
+                found = super(ScenarioProblem, problem).solve()
+            except RangeError:
+                if not tried:
+                    raise
+                least = min(miss for miss, _ in tried)
+                raise unaimed(self.setup, "the plan", least) from None
             missed = self.centre._ahead.end(problem.setup, found.plan) - wanted
             missed[2] = wrap(missed[2])
             tried.append((float(np.abs(missed).max()), found))
