@@ -25,7 +25,7 @@ from sim.figures import style
 from sim.figures.paper import PaperWalk, walk
 from sim.figures.physics import Job, Walked
 from sim.figures.sheet import Shown
-from sim.figures.style import IDEAL, INK, MM, NOMINAL, PATHS
+from sim.figures.style import IDEAL, MM, NOMINAL, PATHS
 from sim.obstacles.clearance import Surroundings, surroundings
 from sim.palette import Style
 from sim.preparation.setup import prepare
@@ -135,7 +135,7 @@ def _magnified(axes: Axes, middle: Array, half: float) -> Axes:
     limits: Style = {"xlim": (x - half, x + half), "ylim": (y - half, y + half)}
     part = axes.inset_axes(INSET, xticks=[], yticks=[], **limits)
     part.grid(visible=False)
-    axes.indicate_inset_zoom(part, edgecolor=INK, alpha=1.0)
+    axes.indicate_inset_zoom(part, edgecolor=NOMINAL, alpha=1.0)
     return part
 
 
