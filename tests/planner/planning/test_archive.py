@@ -30,6 +30,15 @@ def test_saved_plan_is_the_same_when_loaded(tmp_path):
     assert [p.name for p in tmp_path.iterdir()] == ["plan.json"]
 
 
+def test_a_long_plan_is_written_by_its_first_segments_and_its_last():
+    path = line(np.zeros(7), [0.1, 0.1] + [0] * 5)
+    planned = plan(hexapod(**METRES, heights=True), path, 9, LIFTED)
+    head, *first, more, last = str(planned).splitlines()
+    assert head.startswith(repr(planned).removeprefix("<Plan: ").removesuffix(">"))
+    assert [int(row.split()[0]) for row in (*first, last)] == [1, 2, 3, 9]
+    assert more.strip() == "and 5 more; segments() has them all"
+
+
 def test_system_survives_its_table():
     table = system_table(hexapod(0.1, 1 / 3, heights=True))
     again = system_from(json.loads(json.dumps(table)))
