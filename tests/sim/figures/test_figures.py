@@ -130,20 +130,22 @@ def test_feet_that_stood_more_often_than_planned_cannot_be_matched(walks):
 
 
 def test_walks_are_made_side_by_side_and_told_of():
-    jobs = {str(n): Job("line", STEP | {"segments": n}) for n in (1, 2)}
-    told = []
-    with begun(jobs, lambda job, _: told.append(job)) as walks:
+    jobs = {str(n): Job("line", STEP | {"segments": n}, cost=n) for n in (1, 2)}
+    with begun(jobs) as (walks, walked):
         done = {name: walk.result() for name, walk in walks.items()}
+        assert walked() == sum(job.cost for job in jobs.values())
     assert {name: walked.segments for name, walked in done.items()} == {"1": 1, "2": 2}
-    assert sorted(told, key=repr) == sorted(jobs.values(), key=repr)
-    alone = perform(jobs["2"])
+    told = []
+    alone = perform(jobs["2"], told.append)
+    assert told == sorted(told)
+    assert 0 < told[0] < 0.5 < told[-1] <= 1  # on the way
     assert np.array_equal(done["2"].pose["achieved"], alone.pose["achieved"])
 
 
 def test_a_walk_without_a_plan_ends_the_drawing():
     far = Job("line", {"path.goal": [0.3, 0.3, 0.0], "segments": 1})
     with (
-        begun({"far": far}, lambda *_: None) as walks,
+        begun({"far": far}) as (walks, _),
         pytest.raises(RangeError, match="plan at least") as refused,
     ):
         walks["far"].result()
@@ -200,12 +202,12 @@ def test_the_command_draws_one_figure_and_says_where(
     """Of walks that are made already."""
 
     @contextmanager
-    def begun(jobs, progress):
+    def begun(jobs):
         assert jobs == sequence.WALKS
         futures = {name: Future() for name in jobs}
         for name, future in futures.items():
             future.set_result(walks["sequence"][name])
-        yield futures
+        yield futures, lambda: 0.0
 
     monkeypatch.setattr("sim.figures.sheet.begun", begun)
     out = tmp_path / "drawn"

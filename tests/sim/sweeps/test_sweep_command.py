@@ -74,6 +74,7 @@ def test_what_is_missing_is_walked_again_to_the_same_bytes(again):
     (folder / "ledger.jsonl").write_bytes(lines[2] + lines[0] + lines[3][:50])
     done = walked_here("sweep", file, "--out", folder, "--workers", 1, "--resume")
     assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("4 points, 2 of them done before\n")
     assert "4 points, 2 walked now, 0 failed\narrived " in done.stdout
     assert (folder / "table.parquet").read_bytes() == wanted
 
