@@ -213,6 +213,7 @@ def draw(
         def report() -> None:
             progress("figures", (walked() + sum(costs[at] for at in done)) / whole)
 
+        report()
         for name, kind, sheet in _sheets(needed, walks, report):
             save(sheet, folder.path)
             done[name, kind] = sheet

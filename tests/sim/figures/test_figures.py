@@ -138,7 +138,8 @@ def test_walks_are_made_side_by_side_and_told_of():
     told = []
     alone = perform(jobs["2"], told.append)
     assert told == sorted(told)
-    assert 0 < told[0] < 0.5 < told[-1] <= 1  # on the way
+    assert len(told) > 3  # on the way
+    assert (told[0], told[-1]) == (0.0, 1.0)
     assert np.array_equal(done["2"].pose["achieved"], alone.pose["achieved"])
 
 
