@@ -98,7 +98,7 @@ class Steps:
         if first <= critical:
             return f"{head}; {upto}"
         needed = math.ceil(segments * first / critical)
-        return f"{head}, too long; {upto}, or {needed} segments"
+        return f"{head}, too long; {upto}: take {needed} segments"
 
 
 def _finite(value: float) -> float | None:

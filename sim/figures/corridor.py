@@ -38,7 +38,7 @@ SWEEPS = 1600  # outlines that make up what is swept
 PANELS = (("a", "c"), ("b", "d"))  # a map, and the course of clearance below it
 SHARE = np.linspace(0, 1, 301)
 WALL, OUTLINE = palette.OBSTACLE.hex, palette.OUTLINE.hex
-NEAR = 0.025  # [m] to either side of where the path is magnified
+MAGNIFIED = 0.025  # [m] to either side of where the path is magnified
 INSET = (0.7, 0.07, 0.22, 0.22)  # left, bottom, width and height, of the panel
 UNCUT = {"min_clearance": -1, "steer": "ideal"}
 WALKS = {
@@ -58,7 +58,7 @@ def paper(axes: Mapping[str, Axes]) -> Shown:
         _draw_place(axes[above], made.around, qpos, least, 1 / PIVOT)
         line: Style = {"color": NOMINAL, "label": "nominal path", "zorder": 4}
         centre: Style = {"linewidth": 0.7, "label": "body centre, walked"}
-        for panel in (axes[above], _magnified(axes[above], at[:2], NEAR / PIVOT)):
+        for panel in (axes[above], _magnified(axes[above], at[:2], MAGNIFIED / PIVOT)):
             panel.plot(*nominal[:, :2].T, "--", **line)
             panel.plot(*walked.states[:, :2].T, color=IDEAL, **centre)
         count = len(cuts) - 1
@@ -84,7 +84,7 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
         clearance, summary = walked.clearance, walked.summary
         _draw_place(axes[above], around, walked.qpos, clearance["achieved"], MM)
         at = MM * walked.pose["achieved"][clearance["achieved"].argmin(), :2]
-        for panel in (axes[above], _magnified(axes[above], at, MM * NEAR)):
+        for panel in (axes[above], _magnified(axes[above], at, MM * MAGNIFIED)):
             style.draw_walk(panel, walked)
         _draw_clearance(axes[below], walked)
         least = (clearance[n].min() for n in ("ideal", "quasi_static", "achieved"))

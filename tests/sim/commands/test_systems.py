@@ -169,7 +169,7 @@ def test_critical_step_is_told_beside_the_segments(stratawalk, facts):
     assert whole["critical"] == pytest.approx(1.06, abs=0.01)  # measured
     assert facts("plan", "heisenberg")["steps"]["critical"] is None
     _, told, _ = stratawalk("plan", "unicycle", "--goal", "y=8", "--segments", "2")
-    assert "the critical one, or 8 segments" in told
+    assert "(the critical step): take 8 segments" in told
 
 
 def test_scenario_is_planned_to_the_degree_asked_for(facts):
