@@ -26,7 +26,13 @@ HINTS = {  # first guesses that are no command, and what does it
     **dict.fromkeys(("video", "render", "record"), "stratawalk film"),
     **dict.fromkeys(("report", "open", "results"), "stratawalk show"),
     **dict.fromkeys(("install", "info", "status"), "stratawalk doctor"),
-    "brackets": "stratawalk plan unicycle, or stratawalk figures --only panels",
+    **dict.fromkeys(("plot", "draw"), "stratawalk show, or stratawalk figures"),
+    **dict.fromkeys(("explain", "man"), "stratawalk help run"),
+    **dict.fromkeys(("servo", "servos"), "stratawalk run line --set servo=mg996r"),
+    **dict.fromkeys(
+        ("bracket", "brackets", "teach", "notebook"),
+        "stratawalk plan unicycle, or stratawalk figures --only panels",
+    ),
 }
 CALLED = {"bracket": "panels"}  # other words for a choice
 PLACE = "the command line"

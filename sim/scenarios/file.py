@@ -26,7 +26,11 @@ from sim.scenarios.settings import FORMER, SETTINGS
 Values = dict[str, Any]  # a table of plain values, by key
 KEYS = (*SETTINGS, "path", "obstacles")
 CALLED = {"mu": "friction", "goal": "path"}  # other words for a key
-GUESSES = {"sideways": "run line --set 'path.goal=[0, 0.05, 0]'"}
+GUESSES = {
+    "sideways": "run line --set 'path.goal=[0, 0.05, 0]'",
+    "forward": "run line --set 'path.goal=[0.1, 0, 0]'",
+    "walk": "run line",
+}
 TABLES = {name for name, item in SETTINGS.items() if item.includes(Mapping)}
 FOLDER = Path(str(files("sim.scenarios")))
 
@@ -185,9 +189,10 @@ def _find(source: str) -> Path:
     if source in shipped_scenarios():
         return FOLDER / f"{source}.toml"
     path = Path(source)
-    from models import SYSTEMS
+    from models import SYSTEMS, shipped_robots
 
-    meant = {name: f"plan {name}" for name in SYSTEMS} | GUESSES
+    robots = {name: f"run line --robot {name}" for name in shipped_robots()}
+    meant = {name: f"plan {name}" for name in SYSTEMS} | robots | GUESSES
     if source in meant and not path.exists():
         what, remedy = f"{source!r} is no scenario", f"try stratawalk {meant[source]}"
         raise UsageError(what, "SCENARIO", remedy)

@@ -110,6 +110,14 @@ def test_a_slip_of_the_finger_is_answered_with_what_was_meant(words, meant, caps
             "try stratawalk plan unicycle, or stratawalk figures --only p",
         ),
         ("robots mybot.xml", "draft one: stratawalk adopt"),
+        ("teach", "try stratawalk plan unicycle"),
+        ("bracket unicycle", "try stratawalk plan unicycle"),
+        ("plot line", "try stratawalk show, or stratawalk figures"),
+        ("explain verdict", "try stratawalk help run"),
+        ("servos", "try stratawalk run line --set servo=mg996r"),
+        ("run hexapod", "try stratawalk run line --robot hexapod"),
+        ("run walk", "try stratawalk run line"),
+        ("run forward", "try stratawalk run line --set 'path.goal=[0.1, 0, 0]'"),
     ],
 )
 def test_a_first_guess_is_answered_with_a_command_that_works(
