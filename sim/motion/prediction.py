@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 import shapely
@@ -210,6 +211,12 @@ def inspections(schedule: Schedule) -> Array:
         if phase.kind == "swing":
             farthest = abs(phase.amount) * max(map(abs, phase.direction))
             samples = 1 + int(np.ceil(farthest / STEP))
-        ends = np.linspace(0, phase.steps - 1, min(samples, phase.steps) + 1)[1:]
-        found.append(1 + phase.start + np.unique(ends.round().astype(int)))
+        found.append(1 + phase.start + _spread(phase.steps, samples))
     return np.concatenate(found)
+
+
+@lru_cache(maxsize=1024)  # phases are many, and their lengths few
+def _spread(steps: int, samples: int) -> Array:
+    """At most so many steps, even distances apart and the last one among them."""
+    ends = np.linspace(0, steps - 1, min(samples, steps) + 1)[1:]
+    return np.unique(ends.round().astype(int))

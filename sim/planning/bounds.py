@@ -29,7 +29,7 @@ from sim.experiments.identification import twist_model
 from sim.motion.prediction import Predictor, inspections, stability_margin
 from sim.motion.schedule import Schedule
 from sim.obstacles.clearance import Surroundings, surroundings
-from sim.planning.open_loop import plan_open_loop, plan_segment, segment_target
+from sim.planning.open_loop import open_loop_plans, plan_segment, segment_target
 from sim.preparation.scheduling import scheduled
 from sim.preparation.setup import Setup
 
@@ -58,8 +58,11 @@ def within_bounds(setup: Setup) -> tuple[Setup, Plan | None]:
         nonlocal planned
         tried = setup.recut(cuts)
         try:
-            planned = None if scenario.replan else plan_open_loop(tried)
-            stages = list(foresee(tried, planned))
+            for planned in [None] if scenario.replan else open_loop_plans(tried):
+                found = foreseen(tried, planned)
+                if any(slack.walking.min() < 0 for slack in found):
+                    break
+            return found
         except RangeError as error:
             if error.segments is None:
                 raise
@@ -70,7 +73,10 @@ def within_bounds(setup: Setup) -> tuple[Setup, Plan | None]:
             unresolved = np.zeros(len(cuts) - 1)
             unresolved[list(error.segments)] = 1.0
             return [_left_out("resolution", unresolved)]
-        beyond = np.zeros(len(cuts) - 1)
+
+    def foreseen(tried: Setup, planned: Plan | None) -> list[Slack]:
+        stages = list(foresee(tried, planned))
+        beyond = np.zeros(tried.scenario.segments)
         for stage in stages:
             beyond[stage.schedule.phases[-1].segment] = 1 / stage.fraction - 1
         if beyond.any():
@@ -215,12 +221,13 @@ class ClearanceBound:
 
     def slack(self, setup: Setup, stages: Sequence[ForeseenStretch]) -> Slack:
         """Clearance of the swept outline, compared with that of the nominal path."""
-        standing = self._standing(setup)
         walking = np.full(setup.scenario.segments, np.inf)
         for stage in stages:
             segment = stage.segment(stage.rows[:-1])
             np.minimum.at(walking, segment, self.swept(stage))
-        room, left = standing - self.least, walking - self.least
+        room, left = np.ones_like(walking), walking - self.least
+        if left.min() < 0:
+            room = self._standing(setup) - self.least
         return Slack("min_clearance", self.least, room, left, unit="m")
 
     def _standing(self, setup: Setup) -> Array:

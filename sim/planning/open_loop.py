@@ -10,7 +10,7 @@ is known beforehand, and the next segment is planned from the pose that is predi
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import accumulate
 from math import ceil, floor
@@ -37,6 +37,7 @@ from sim.experiments.identification import twist_model
 from sim.motion.poses import compose, nearest_turn, relative
 from sim.preparation.setup import Setup
 
+ROUGH_ROUNDS = 3  # tell about where a plan comes too near to its bounds
 AIMING_ROUNDS = 12  # each at least halves the error, unless the prediction jumps
 MET_WITHIN = 1e-7  # [m] and [rad]
 PLAIN_ROUNDS = 4  # as many as most walks need; extrapolated from then on
@@ -47,7 +48,13 @@ RANGE_ROUNDING = 1e-9  # [rad], beyond the joint range
 
 
 def plan_open_loop(setup: Setup) -> Plan:
-    """One plan for the whole path.
+    """One plan for the whole path."""
+    *_, best = open_loop_plans(setup)
+    return best
+
+
+def open_loop_plans(setup: Setup) -> Iterator[Plan]:
+    """One plan for the whole path; before it a roughly aimed one, if aims take rounds.
 
     Errors of printed words nearly cancel from one segment to the next, so that plans on
     the ideal fields need no aiming; those of the shortest words add up.
@@ -55,10 +62,11 @@ def plan_open_loop(setup: Setup) -> Plan:
     scenario = setup.scenario
     require_segments(scenario.segments, scenario.path.curve)
     if setup.servo.resolution:
-        return _on_counts(setup)
-    if scenario.steer == "ideal" and scenario.words == "printed":
-        return plan_along(setup, setup.nominal())
-    return steer_along(setup, twist_model(setup, scenario.steered_on))
+        yield _on_counts(setup)
+    elif scenario.steer == "ideal" and scenario.words == "printed":
+        yield plan_along(setup, setup.nominal())
+    else:
+        yield from steer_along(setup, twist_model(setup, scenario.steered_on))
 
 
 def plan_replanned(setup: Setup) -> Plan:
@@ -175,8 +183,8 @@ def plan_along(
     return plan(setup.extended, path, setup.scenario.segments, execution=execution)
 
 
-def steer_along(setup: Setup, twists: TwistModel) -> Plan:
-    """A plan whose every segment is predicted to end on the nominal path.
+def steer_along(setup: Setup, twists: TwistModel) -> Iterator[Plan]:
+    """A roughly aimed plan, then one whose segments are predicted to end on the path.
 
     If the cheaper coordinates were chosen anew in each round, the prediction would
     jump. It still jumps where a bracket changes its sign; there a segment may end
@@ -199,6 +207,8 @@ def steer_along(setup: Setup, twists: TwistModel) -> Plan:
             break  # the aims diverge
         ends = segment_ends(setup, planned, twists)
         misses = np.abs(ends - goals).max(axis=1)
+        if len(tried) == ROUGH_ROUNDS - 1:
+            yield planned
         if misses.max() < least:
             best, least, worst = planned, misses.max(), int(misses.argmax())
         if least < MET_WITHIN:
@@ -211,7 +221,7 @@ def steer_along(setup: Setup, twists: TwistModel) -> Plan:
     if best is None or least > tolerable:
         segment = f"segment {worst} of {len(wanted)}"  # misses[0] is the start's
         raise unaimed(setup, segment, float(least))
-    return best
+    yield best
 
 
 def _extrapolated(aims: Sequence[Array], corrected: Sequence[Array]) -> Array:

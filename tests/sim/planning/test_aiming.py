@@ -29,6 +29,11 @@ def turning():
     return prepare(load_scenario("line", {"path": goal, "segments": 10}))
 
 
+def aimed(setup, twists):
+    """The last of the plans, aimed fully."""
+    return list(steer_along(setup, twists))[-1]
+
+
 @pytest.mark.parametrize("steer_on", ["ideal", "quasi-static"])
 def test_segments_too_few_to_meet_the_corners_are_refused(steer_on):
     path = {"kind": "waypoints", "points": [[0, 0, 0], [0.05, 0, 0], [0.05, 0.05, 0]]}
@@ -42,7 +47,7 @@ def test_segments_too_few_to_meet_the_corners_are_refused(steer_on):
 
 def test_predicted_ends_of_segments_lie_on_the_nominal_path(turning):
     twists = twist_model(turning, "quasi_static")
-    ends = segment_ends(turning, steer_along(turning, twists), twists)
+    ends = segment_ends(turning, aimed(turning, twists), twists)
     nominal = [turning.scenario.path(k / 10) for k in range(11)]
     # the rounds stop at 1e-7
     assert ends == pytest.approx(np.array(nominal), abs=1e-6)
@@ -101,7 +106,7 @@ def test_a_prediction_that_cannot_be_met_is_refused(turning):
         return np.zeros((len(swing), 3))
 
     with pytest.raises(ConvergenceError, match="segment 10 of 10 still misses its"):
-        steer_along(turning, stuck)
+        aimed(turning, stuck)
 
 
 def test_steps_between_poses_compose():
@@ -132,7 +137,7 @@ def test_fields_of_the_real_contacts_steer_as_the_contacts_themselves(turning):
         amounts = rates @ np.linalg.pinv(np.array([field.direction for field in on]))
         return sum(u[:, None] * f(swing) for u, f in zip(amounts.T, on, strict=True))
 
-    on = steer_along(turning, twists), steer_along(turning, fields)
+    on = aimed(turning, twists), aimed(turning, fields)
     same_flows(*(plan.flows for plan in on))
     here, there = np.zeros(3), np.array([0.005, 0.004, 0.05])
     steps = (
