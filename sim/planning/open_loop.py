@@ -3,9 +3,8 @@
 The twists of the planner's fields are constant; those of real legs are not. The aim of
 every segment is shifted by the error of its predicted end, in the frame of the
 segment's start, and planned again until every predicted end lies on the nominal path.
-
-Servos with a resolution move to whole counts. What rounding the end of each stroke does
-is known beforehand, and the next segment is planned from the pose that is predicted.
+Servos with a resolution move to whole counts; each segment is planned from the pose
+that is predicted for rounded strokes.
 """
 
 from __future__ import annotations
@@ -49,15 +48,13 @@ RANGE_ROUNDING = 1e-9  # [rad], beyond the joint range
 
 def plan_open_loop(setup: Setup) -> Plan:
     """One plan for the whole path."""
-    *_, best = open_loop_plans(setup)
-    return best
+    return list(open_loop_plans(setup))[-1]
 
 
 def open_loop_plans(setup: Setup) -> Iterator[Plan]:
     """One plan for the whole path; before it a roughly aimed one, if aims take rounds.
 
-    Errors of printed words nearly cancel from one segment to the next, so that plans on
-    the ideal fields need no aiming; those of the shortest words add up.
+    On ideal fields printed words need none, as their errors nearly cancel.
     """
     scenario = setup.scenario
     require_segments(scenario.segments, scenario.path.curve)
@@ -93,8 +90,7 @@ def plan_segment(
     """
     target = segment_target(setup, segment)
     here = np.array([*pose[:2], nearest_turn(pose[2], to=target[2])])
-    if meant is not None:
-        target = compose(here, meant)
+    target = target if meant is None else compose(here, meant)
     twists = twist_model(setup, setup.scenario.steered_on)
     step = steer_towards(setup, twists, segment, target, here, swing)
     return _step_on_counts(setup, step, swing)
@@ -103,8 +99,7 @@ def plan_segment(
 def _on_counts(setup: Setup) -> Plan:
     """One plan whose strokes end on counts, by the quasi-static prediction."""
     plan_along(setup, setup.nominal())  # refused where the joint range is too short
-    twists = twist_model(setup, "quasi_static")
-    swings = setup.equations.swings
+    twists, swings = twist_model(setup, "quasi_static"), setup.equations.swings
     pose, swing, plans = np.zeros(3), setup.at_rest.swing, list[Plan]()
     for segment in range(setup.scenario.segments):
         own = plan_segment(setup, segment, pose, swing).plan
@@ -178,17 +173,15 @@ def plan_along(
     setup: Setup, path: Path, coordinates: Coordinates | None = None
 ) -> Plan:
     """One plan for a whole path, in the scenario's coordinates if none are given."""
-    followed = coordinates or setup.coordinates
-    execution = replace(setup.execution(), coordinates=followed)
+    execution = replace(setup.execution(), coordinates=coordinates or setup.coordinates)
     return plan(setup.extended, path, setup.scenario.segments, execution=execution)
 
 
 def steer_along(setup: Setup, twists: TwistModel) -> Iterator[Plan]:
     """A roughly aimed plan, then one whose segments are predicted to end on the path.
 
-    If the cheaper coordinates were chosen anew in each round, the prediction would
-    jump. It still jumps where a bracket changes its sign; there a segment may end
-    beside the path by a small part of its length.
+    The prediction jumps where a bracket changes its sign, and would also where cheaper
+    coordinates were chosen anew; there a segment may end a little beside the path.
     """
     nominal = setup.nominal()
     goals = np.array([nominal(s)[:3] for s in grid(nominal, setup.scenario.segments)])
@@ -213,14 +206,12 @@ def steer_along(setup: Setup, twists: TwistModel) -> Iterator[Plan]:
             best, least, worst = planned, misses.max(), int(misses.argmax())
         if least < MET_WITHIN:
             break
-        off = relative(relative(ends[:-1], ends[1:]), wanted)
         tried.append(aims)
-        corrected.append(compose(aims, off))
-        slow = len(tried) > PLAIN_ROUNDS
-        aims = _extrapolated(tried, corrected) if slow else corrected[-1]
+        corrected.append(compose(aims, relative(relative(ends[:-1], ends[1:]), wanted)))
+        plain = len(tried) <= PLAIN_ROUNDS
+        aims = corrected[-1] if plain else _extrapolated(tried, corrected)
     if best is None or least > tolerable:
-        segment = f"segment {worst} of {len(wanted)}"  # misses[0] is the start's
-        raise unaimed(setup, segment, float(least))
+        raise unaimed(setup, f"segment {worst} of {len(wanted)}", float(least))
     yield best
 
 
