@@ -184,6 +184,8 @@ class _Steps:
 
     def critical(self, ray: Array, longest: float) -> float:
         """The critical step along a ray of length one, up to a longest step."""
+        if longest <= SHORTEST:  # shorter than what rounding leaves
+            return inf
         left = self.along(ray)
         steps, parts = _until_failure(left, _scale(SHORTEST, longest, COARSE), FEW)
         failed = parts[-1] > CONTRACTED

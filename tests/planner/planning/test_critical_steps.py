@@ -134,6 +134,7 @@ def test_steps_beyond_a_length_are_not_tried():
         for limit in (critical / 2, critical * 2)
     )
     assert near == inf
+    assert critical_step(problem.system, np.zeros(3), [0, 1, 0], within=1e-20) == inf
     assert far == pytest.approx(critical, rel=2 * ACCURACY)
 
 
