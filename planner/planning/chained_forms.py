@@ -59,6 +59,16 @@ class FlatOutputs:
     rate: sp.Expr | None = None
     slope: sp.Expr | None = None
 
+    def of(self, state: tuple[sp.Symbol, ...]) -> FlatOutputs:
+        """The same functions of the coordinates of these names, whatever is assumed."""
+        named = {symbol.name: symbol for symbol in state}
+
+        def own(f: sp.Expr | None) -> sp.Expr | None:
+            return f and f.xreplace({s: named.get(s.name, s) for s in f.free_symbols})
+
+        along, across = sp.sympify(self.along), sp.sympify(self.across)
+        return FlatOutputs(own(along), own(across), own(self.rate), own(self.slope))
+
 
 @dataclass(frozen=True, eq=False)
 class ChainedForm:
@@ -217,7 +227,7 @@ def chained_form(
         )
     columns = [sp.Matrix(field) for field in fields]
     if outputs is not None:
-        return _formed(system, columns, outputs)
+        return _formed(system, columns, outputs.of(system.state))
     for along, across in permutations(system.state, 2):
         with suppress(PlannerError):
             return _formed(system, columns, FlatOutputs(along, across))
