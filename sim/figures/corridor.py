@@ -39,7 +39,7 @@ PANELS = (("a", "c"), ("b", "d"))  # a map, and the course of clearance below it
 SHARE = np.linspace(0, 1, 301)
 WALL, OUTLINE = palette.OBSTACLE.hex, palette.OUTLINE.hex
 MAGNIFIED = 0.025  # [m] to either side of where the path is magnified
-INSET = (0.7, 0.07, 0.22, 0.22)  # left, bottom, width and height, of the panel
+INSET = (0.74, 0.06, 0.2, 0.2)  # left, bottom, width and height, of the panel
 UNCUT = {"min_clearance": -1, "steer": "ideal"}
 WALKS = {
     "corridor-coarse": Job("corridor", UNCUT, cost=7),
@@ -135,6 +135,7 @@ def _magnified(axes: Axes, middle: Array, half: float) -> Axes:
     limits: Style = {"xlim": (x - half, x + half), "ylim": (y - half, y + half)}
     part = axes.inset_axes(INSET, xticks=[], yticks=[], **limits)
     part.grid(visible=False)
+    part.spines[:].set(visible=True, color=NOMINAL)
     axes.indicate_inset_zoom(part, edgecolor=NOMINAL, alpha=1.0)
     return part
 

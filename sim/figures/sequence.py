@@ -108,7 +108,7 @@ def _draw_angles(axes: Axes, walked: Walked) -> None:
     area: Style = {"color": INK, "alpha": 0.06, "linewidth": 0}
     area |= {"transform": axes.get_xaxis_transform(), "label": "neither swings loaded"}
     axes.fill_between(walked.time, 0, 1, where=walked.moving < 0, **area)
-    axes.set_ylim(top=0.6)  # room for the key
+    axes.set_ylim(-0.75, 0.6)  # room for words and key
     on_ground: Style = {"color": INK, "fontsize": 7, "ha": "right", "va": "top"}
     axes.text(walked.time[-1], BARS - 0.13, "on the ground", **on_ground)
     axes.set_yticks(np.arange(-0.4, 0.5, 0.2))
