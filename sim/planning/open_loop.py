@@ -195,7 +195,7 @@ def steer_along(setup: Setup, twists: TwistModel) -> Iterator[Plan]:
         try:
             planned = plan_along(setup, _path(setup, goals[0], aims), steady)
         except RangeError:
-            if best is None:
+            if best is None or least <= tolerable:
                 raise
             break  # the aims diverge
         ends = segment_ends(setup, planned, twists)
