@@ -28,7 +28,7 @@ from sim.export.header import filled, write_header
 from sim.export.servo_table import servo_table
 from sim.export.source import write_ticks
 from sim.folder import RunFolder, ensure_folder, whole
-from sim.reports.templates import render
+from sim.templates import render
 
 BOARD_CHANNELS, BUS_NUMBERS = range(16), range(1, 254)
 MEGAHERTZ = 1e6  # [Hz]

@@ -138,7 +138,7 @@ def _report() -> str:
     import jinja2
 
     from sim.reports.page import NAME
-    from sim.reports.templates import template
+    from sim.templates import template
 
     template(NAME)
     return f"Jinja2 {jinja2.__version__}, {NAME} of every run"

@@ -12,6 +12,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from planner import BudgetError, Plan, RangeError, StratumError, load_plan, save_plan
+from planner.support import limited
 from sim.commands import options as cli
 from sim.commands.plan_report import (
     Accuracy,
@@ -21,16 +23,18 @@ from sim.commands.plan_report import (
     of_system,
     of_walk,
 )
+from sim.commands.systems import coordinates, find, is_system, refused
 from sim.errors import UsageError
+from sim.problems.problem import Problem
+from sim.problems.system import PLAN_TIME, SystemProblem
 from sim.progress import Progress, at_most, bar, stage
+from sim.scenarios.file import shipped_scenarios
+from sim.scenarios.scenario import Scenario
 
 if TYPE_CHECKING:
     from models import Robot
-    from planner import Plan
-    from sim.problems.problem import Problem
-    from sim.scenarios.scenario import Scenario
 
-Outcome = tuple["Plan", Report]
+Outcome = tuple[Plan, Report]
 FOR_ROBOTS = dict.fromkeys(("robot", "fields", "steer"), "leave it out")
 FOR_SYSTEMS = {
     "start": "leave it out, scenarios start at the origin",
@@ -48,9 +52,6 @@ SETTLED = dict.fromkeys(
 
 def plan(options: argparse.Namespace) -> None:
     """Plan the scenario or the system and print the result."""
-    from planner import load_plan, save_plan
-    from sim.commands.systems import refused
-
     source = options.scenario
     if not _is_for_systems(options):
         scenario = cli.scenario_of(options)
@@ -64,28 +65,21 @@ def plan(options: argparse.Namespace) -> None:
     else:
         with bar(quiet=options.json) as progress, refused(source):
             planned, told = _system(options, progress)
-    facts, lines = told
+    facts, text = told
     if options.save:
         with refused(options.save):
             save_plan(planned, options.save)
     if options.flows:
         facts["flows"] = planned.flows
-        lines = [*map(str, planned.flows), "", *lines]
-    cli.report(options, facts, *lines)
+        text = "\n".join([*map(str, planned.flows), "", text])
+    cli.report(options, facts, text)
 
 
 def _is_for_systems(options: argparse.Namespace) -> bool:
     """Whether no scenario is to be planned; options for the other kind are refused."""
-    from sim.commands.systems import is_system
-    from sim.scenarios.file import shipped_scenarios
-
     source = options.scenario
     if source.endswith(".json"):
-        _refuse(
-            options,
-            dict.fromkeys(SETTLED, "leave it out"),
-            "cannot change a saved plan",
-        )
+        _refuse(options, SETTLED, "cannot change a saved plan")
     elif not is_system(source, shipped_scenarios()):
         _refuse(options, FOR_SYSTEMS, "is for systems")
         return False
@@ -104,7 +98,7 @@ def _refuse(options: argparse.Namespace, names: Mapping[str, str], why: str) -> 
 
 
 def _walk(scenario: Scenario, robot: Robot, progress: Progress) -> Outcome:
-    from sim.preparation.setup import prepare
+    from sim.preparation.setup import prepare  # these load MuJoCo
     from sim.problems.scenario import ScenarioProblem
 
     began = time.perf_counter()
@@ -117,11 +111,6 @@ def _walk(scenario: Scenario, robot: Robot, progress: Progress) -> Outcome:
 
 
 def _system(options: argparse.Namespace, progress: Progress) -> Outcome:
-    from planner import StratumError
-    from planner.support import limited
-    from sim.commands.systems import coordinates, find
-    from sim.problems.system import PLAN_TIME, SystemProblem
-
     began = time.perf_counter()
     with stage(progress, "compiling"):
         wanted = find(options.scenario, cli.settings_of(options))
@@ -168,9 +157,6 @@ def _outcome(
     progress: Progress,
 ) -> Outcome:
     """Plan; where no number of segments makes a plan fit, what was tried is said."""
-    from planner import BudgetError, RangeError
-    from planner.support import limited
-
     try:
         with at_most(progress, "planning", problem.plan_time):
             solution = problem.solve()

@@ -7,12 +7,12 @@ import json
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass
-from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from sim.commands import options as cli
 from sim.errors import StratawalkError, UsageError
+from sim.templates import render
 
 if TYPE_CHECKING:
     from models import Problem
@@ -154,18 +154,9 @@ def check(options: argparse.Namespace) -> None:
         "strokes": {cost.direction: asdict(cost) for cost in costs},
         "static_stability": subject.static_stability,
     }
-    lines = [_describe(options.system, found, theory)]
-    if subject.strokes and not facts["controllable"]:
-        lines.append(f"{'see':12}stratawalk robots {options.system}, on what helps")
-    lines += _describe_costs(costs, "metre" if subject.strokes else "unit")
-    if loads := subject.static_stability:
-        shares = (
-            f"S{stratum} {max(rest, 0):.2f} at rest, {max(best, 0):.2f} at best"
-            for stratum, (rest, best) in loads.items()
-        )
-        load = f"{'least load':12}{'; '.join(shares)} (share of the weight on a foot)"
-        lines.append(load)
-    cli.report(options, {"system": options.system, **facts}, *lines)
+    facts = {"system": options.system, **facts}
+    text = render("check.txt", is_robot=bool(subject.strokes), **facts)
+    cli.report(options, facts, text)
 
 
 @dataclass(frozen=True)
@@ -220,42 +211,3 @@ def _subject(options: argparse.Namespace) -> _Subject:
     described, loads = equations(robot), StaticStability(robot).at_rest_and_best()
     elements, strokes = described.elements, described.strokes
     return _Subject(described.system, robot.card.gait, None, elements, strokes, loads)
-
-
-def _describe(name: str, report: Controllability, theory: Sequence[str] = ()) -> str:
-    """The verdict, both tests, and the missing directions, line by line."""
-    yes = f"controllable, as the {report.decided_by} shows"
-    if theory:
-        yes = f"controllable in theory only: no joint range can use {', '.join(theory)}"
-    no = "not controllable" if report.conclusive else "not shown to be controllable"
-    tests = {
-        "filtration": (report.filtration, "brackets within strata alone (Sec. 4)"),
-        "closure": (report.closure, "and across strata (Def. 3)"),
-    }
-    lines = [
-        f"{name}: {report.gait}",
-        f"{'gait':12}these strata in turn, each named after what is in contact",
-        f"{'at':12}{', '.join(f'{value:.6g}' for value in report.at)}",
-        f"{'verdict':12}{yes if report.controllable else no}",
-        *(
-            f"{test:12}rank {rank} of {report.dimension}, {how}"
-            for test, (rank, how) in tests.items()
-        ),
-        f"{'brackets':12}to degree {report.depth}",
-    ]
-    if not report.controllable:
-        lines.append(f"{'missing':12}{', '.join(report.missing)}")
-        lines.append(f"{'to do':12}{'; or '.join(report.advice)}")
-    return "\n".join(lines)
-
-
-def _describe_costs(costs: Sequence[DirectionCost], length: str) -> Iterator[str]:
-    """What a unit of each direction costs, and which element gives it."""
-    if costs:
-        each = "a joint's whole range" if length == "metre" else "a unit of an input"
-        yield f"{'strokes':12}each over {each}, recoveries included"
-    for cost in costs:
-        unit = "radian" if cost.direction == "theta" else length
-        count = f"{cost.strokes:.4g} a {unit}" if cost.strokes < inf else "never"
-        only = ", in theory only" if cost.in_theory_only else ""
-        yield f"{'':12}{cost.direction} {count}, by {cost.element}{only}"

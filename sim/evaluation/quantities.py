@@ -1,8 +1,7 @@
 """The table of quantities: how the numbers of a summary are named and shown.
 
 Terminal, report, comparison of runs and tries read it; a test holds docs/numbers.md
-against it. Sweeps have every number of the summary by its key. For a terminal all of a
-summary is put into lines here.
+against it. Sweeps have every number of the summary by its key.
 """
 
 from __future__ import annotations
@@ -11,11 +10,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from math import degrees
 
-from sim.evaluation.summary import Played, Real, Sensed, Summary
-from sim.scenarios.predictions import PREDICTIONS, QUASI_STATIC, prediction_key
-
-CAPPED = 0.9  # of the speed asked for; strokes that come to less are mentioned
-MENTIONED = 1e-3  # [m]; a robot that is moved farther at its start is mentioned
+from sim.evaluation.summary import Played, Summary
+from sim.scenarios.predictions import PREDICTIONS, prediction_key
+from sim.templates import render
 
 DEGREES = degrees(1.0)
 
@@ -109,11 +106,6 @@ OF_WALKS = (
 QUANTITIES = (POSITION, YAW, *OF_ROWS, *OF_WALKS)
 COLUMNS = tuple(quantity for quantity in OF_ROWS if quantity.column)
 LINES = tuple(quantity for quantity in OF_ROWS if not quantity.column)
-WORDS = (
-    "terms        margin: least distance of the centre of mass inside the support",
-    "             slip: way that standing feet slide; switch slip: that while legs",
-    "             lift and land; more in docs/glossary.md",
-)
 HEADS = "".join(f"{quantity.column:>{quantity.width}}" for quantity in COLUMNS)
 HEADER = f"{'':13}{'ends at x, y [m], yaw [rad]':33}{'from the achieved end':23}{HEADS}"
 
@@ -127,24 +119,10 @@ def number(value: float | None, digits: int = 2) -> str:
 
 def describe(summary: Summary) -> str:
     """The walk and its comparison with the predictions, in lines for a terminal."""
-    text, how = summary.verdict_text, "played"
-    if summary.goal:
-        replan = ", replanned" if summary.replan else ""
-        if summary.optimise != "none":
-            replan = f", optimised for {summary.optimise}"
-        how = f"steered by the {summary.steer} prediction{replan}"
-    lines = [
-        text[:1].upper() + text[1:],
-        f"{summary.scenario}: {summary.robot}, {how}",
-        *(f"{label:13}{words}" for label, words in _facts(summary)),
-        "",
-        HEADER,
-        *_rows(summary),
-        *_lines(summary),
-        *WORDS,
-        *_clearance(summary),
-    ]
-    return "\n".join(lines)
+    predicted = summary.predicted.get(prediction_key(summary.steer))
+    clearance = predicted.min_clearance if predicted else None
+    rows = [HEADER, *_rows(summary), *_lines(summary)]
+    return render("walk.txt", rows=rows, clearance=clearance, **summary)
 
 
 def describe_export(summary: Summary, played: Played, label: str) -> str:
@@ -154,100 +132,6 @@ def describe_export(summary: Summary, played: Played, label: str) -> str:
     shown = replace(summary, achieved=achieved, error=played.error)
     rows = [_row(shown, row) for row in (GOAL, played.weighed.prediction)]
     return "\n".join([HEADER, *rows, _row(shown, ACHIEVED, label)])
-
-
-def _facts(summary: Summary) -> Iterator[tuple[str, str]]:
-    """What was planned, walked and noticed: a label, and words for it."""
-    much = f"{summary.contact_switches} lift-offs and touchdowns"
-    if summary.goal is None:
-        yield "played", f"{much}, a predicted way of {summary.path_length:.3f} m"
-    else:
-        about = {"centred": "about rest"}.get(summary.stance, "on from their last end")
-        others = {"lifted": "the others in the air"}.get(summary.fields, "all stand")
-        how = f"{about}, {others} ({summary.fields} fields)"
-        yield "strokes", f"standing legs swing {how}"
-        yield (
-            "planned",
-            f"{summary.segments} segments, {much}, {summary.distance_walked:.3f} m to "
-            f"walk for a path of {summary.path_length:.3f} m",
-        )
-    yield (
-        "walked",
-        f"{summary.contact_switches_achieved} lift-offs and touchdowns, "
-        f"{summary.bounces} bounces, {summary.simulated_time:.1f} s simulated in "
-        f"{summary.timing['simulate']:.1f} s",
-    )
-    if summary.fallback:
-        yield "fell back", f"on the stratified plan: {summary.fallback}"
-    if summary.least_time is not None:
-        least = f"no plan that keeps as near takes less than {summary.least_time:.1f} s"
-        yield "bounded", f"{least}, holds left out"
-    if len(summary.missed) > 1:
-        misses = ", then ".join(f"{1e3 * miss:.3g}" for miss in summary.missed)
-        yield "corrected", f"the goal was missed by {misses} mm"
-    found = [
-        f"{1e3 * apart.position:.1f} mm and {apart.yaw:.3f} rad {name}"
-        for name, apart in summary.deviation.items()
-        if apart is not None and name != QUASI_STATIC.key
-    ]
-    if found:
-        yield "deviation", f"from the path at most {', '.join(found)}"
-    seconds, strokes = summary.per_metre.seconds, summary.per_metre.strokes
-    if seconds is not None and strokes:
-        took = f"{seconds:.0f} s and {strokes:.1f} rad of strokes"
-        yield "per metre", f"{took} for each metre of the path"
-    if (real := summary.measured) is not None:
-        yield from (("measured", words) for words in _measured(real))
-    if (sensed := summary.feedback) is not None:
-        yield "thought", _thought(sensed)
-    if saturated := summary.saturated_segments:
-        yield "saturated", f"{saturated} segments scaled down to the joint range"
-    if summary.goal and summary.fastest_swing < CAPPED * summary.swing_speed:
-        capped = f"swing_acceleration caps the swing_speed of {summary.swing_speed:g}"
-        yield "swings", f"at {summary.fastest_swing:.3g} rad/s at most: {capped}"
-    if abs(down := summary.let_down) > MENTIONED:
-        how = "let down onto" if down > 0 else "lifted out of"
-        yield "start", f"{how} the floor by {1e3 * abs(down):.1f} mm"
-    if summary.self_contacts:
-        yield (
-            "collided",
-            f"parts of the robot touched each other {summary.self_contacts} times, "
-            "which no prediction takes into account",
-        )
-
-
-def _measured(real: Real) -> Iterator[str]:
-    """What was measured on a real robot, beside where it ended."""
-    yield from real.done
-    if real.spread is not None:
-        x, y, yaw = real.spread
-        how = f"{1e3 * x:.1f} and {1e3 * y:.1f} mm, {degrees(yaw):.2f} degrees"
-        yield f"standard error of its end {how}"
-    if real.joints is not None:
-        yield f"joints {degrees(real.joints):.2f} degrees rms off the simulated ones"
-    for name, lean in (("roll", real.roll), ("pitch", real.pitch)):
-        if lean is not None:
-            yield (
-                f"{name} {degrees(lean.end):.2f} degrees at the end, "
-                f"{degrees(lean.off):.2f} off the simulated one, and "
-                f"{degrees(lean.farthest):.2f} at most"
-            )
-    if real.contact is not None:
-        yield f"contacts are those of the physics in {100 * real.contact:.0f} %"
-
-
-def _thought(sensed: Sensed) -> str:
-    """What feedback made of the walk, before the reading at its end."""
-    if not sensed.sees_position:
-        return (
-            f"to be where it was {1e3 * sensed.wrong:.1f} mm away: its position is "
-            "never seen, and nothing is promised of it"
-        )
-    wrong, claimed, least = (
-        f"{1e3 * sensed[key]:.2f} mm and {degrees(sensed[f'{key}_yaw']):.2f} degrees"
-        for key in ("wrong", "claimed", "bound")
-    )
-    return f"{wrong} off where it was; it claimed {claimed}, the least can be {least}"
 
 
 def _rows(summary: Summary) -> Iterator[str]:
@@ -284,16 +168,3 @@ def _lines(summary: Summary) -> Iterator[str]:
     for quantity in OF_WALKS:
         if quantity.line and (found := quantity.words(quantity.value(summary))):
             yield f"{quantity.label:12} {found}"
-
-
-def _clearance(summary: Summary) -> Iterator[str]:
-    """Distance from obstacles, where there are any."""
-    predicted = summary.predicted.get(prediction_key(summary.steer))
-    achieved = summary.achieved.min_clearance
-    if achieved is None or predicted is None or predicted.min_clearance is None:
-        return
-    yield ""
-    yield (
-        f"{'clearance':13}{1e3 * predicted.min_clearance:.1f} mm predicted, "
-        f"{1e3 * achieved:.1f} mm achieved, {summary.wall_contacts} wall contacts"
-    )

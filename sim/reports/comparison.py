@@ -20,7 +20,7 @@ from sim.evaluation.quantities import (
 from sim.progress import Progress, silent, stage
 from sim.reports.maps import overlaid
 from sim.reports.tables import MM, Table, contributions, flat, kinds_of, sentences
-from sim.reports.templates import render
+from sim.templates import render
 from sim.runs.run import Run
 from sim.scenarios.predictions import IDEAL, PREDICTIONS
 

@@ -26,7 +26,7 @@ from sim.reports import tables
 from sim.reports.drawing import Drawing
 from sim.reports.maps import errors, plan_view
 from sim.reports.panels import panels
-from sim.reports.templates import render
+from sim.templates import render
 from sim.runs.run import Run
 from sim.scenarios.predictions import PREDICTIONS
 

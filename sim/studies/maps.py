@@ -22,7 +22,7 @@ from sim.folder import whole
 from sim.palette import FAINT, OUTCOMES
 from sim.reports.drawing import finish
 from sim.reports.tables import Table
-from sim.reports.templates import render
+from sim.templates import render
 from sim.scenarios.file import toml_value
 from sim.scenarios.settings import FORMER, SETTINGS
 from sim.studies.results import NO_WALK, SEPARATE, Findings, Results

@@ -76,7 +76,7 @@ def test_a_missing_package_is_to_be_installed(examined, monkeypatch):
 def test_a_report_that_cannot_be_drawn_is_repaired_by_its_own_package(
     examined, monkeypatch
 ):
-    import sim.reports.templates as templates
+    import sim.templates as templates
 
     def broken(name):
         raise TypeError("no such filter")

@@ -1,9 +1,10 @@
-"""Templates of the pages, their style and their script."""
+"""Templates of pages, with their style and script, and of texts for a terminal."""
 
 from __future__ import annotations
 
 from functools import cache
 from importlib.resources import files
+from math import degrees
 from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup, escape
@@ -13,8 +14,8 @@ if TYPE_CHECKING:
 
 
 def render(name: str, **values: Any) -> str:
-    """The text of one of this folder's templates, filled in."""
-    return template(name).render(**values)
+    """The text of one of this folder's templates, filled in, its last line open."""
+    return template(name).render(**values).removesuffix("\n")
 
 
 def template(name: str) -> Template:
@@ -28,19 +29,24 @@ def _environment() -> Environment:
 
     environment = Environment(
         loader=FunctionLoader(_text),
-        autoescape=True,
+        autoescape=lambda name: not str(name).endswith(".txt"),
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
     environment.filters["plain"] = Markup  # for our own SVG, style and script
     environment.filters["breakable"] = _breakable
+    environment.filters |= {"to": format, "mm": _millimetres, "degrees": degrees}
     return environment
 
 
 def _breakable(name: str) -> Markup:
     """A name that may go on in the next line after each underscore."""
     return escape(name).replace("_", Markup("_<wbr>"))
+
+
+def _millimetres(metres: float, digits: int = 1) -> str:
+    return f"{1e3 * metres:.{digits}f} mm"
 
 
 def _text(name: str) -> str:
