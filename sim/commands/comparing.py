@@ -6,16 +6,20 @@ import argparse
 from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import numpy as np
+
+from sim import palette
 from sim.commands import options as cli
 from sim.endings import keeping
 from sim.errors import UsageError
+from sim.folder import RunFolder, blamed_on, claim, ensure_folder
 from sim.progress import bar
-
-if TYPE_CHECKING:
-    from sim.reports.tables import Table
-    from sim.runs.run import Run
+from sim.reports import comparison
+from sim.reports.tables import Table
+from sim.runs.run import Run, read_run
+from sim.templates import render
 
 POSE = ("x", "y", "yaw")
 
@@ -29,21 +33,17 @@ def compare(options: argparse.Namespace) -> None:
         raise UsageError(
             "not a page's name", f"--out {options.out}", "give a name in .html"
         )
-    from sim.folder import RunFolder, blamed_on, ensure_folder
-    from sim.reports.comparison import compare, names, page
-    from sim.runs.run import read_run
-
     runs = []
     with bar(quiet=options.json) as progress:
         for number, folder in enumerate(map(Path, options.runs), start=1):
             with blamed_on(folder):
                 runs.append(read_run(folder))
-                compare([runs[-1], runs[-1]])
+                comparison.compare([runs[-1], runs[-1]])
             progress("reading", number / len(options.runs))
-        compared = compare(runs)
+        compared = comparison.compare(runs)
         if options.out is not None:
             with blamed_on(runs[0].folder):
-                text = page(compared, progress)
+                text = comparison.page(compared, progress)
             path = Path(options.out)
             shelf = RunFolder(ensure_folder(path.parent, "page's folder"))
             shelf.write_text(path.name, text)
@@ -55,7 +55,7 @@ def compare(options: argparse.Namespace) -> None:
     facts = {  # a row a run, in the order given
         key: [
             {"run": name} | {row[0]: row[column] for row in table.rows}
-            for column, name in enumerate(names(runs), start=1)
+            for column, name in enumerate(comparison.names(runs), start=1)
         ]
         for key, table in tables.items()
     }
@@ -78,22 +78,13 @@ def _text(table: Table) -> str:
 
 def sensitivities(options: argparse.Namespace) -> None:
     """Print the table, and draw the picture if one is asked for."""
-    from sim.folder import blamed_on
-    from sim.runs.run import read_run
-
     folder = Path(options.run)
     with blamed_on(folder):
         run = read_run(folder)
         found = rows(run)
     if options.out is not None:
         draw(run, found, Path(options.out))
-    lines = [
-        f"{'a change by one':38}{'moves the end by x, y [mm]':>28}{'yaw [mrad]':>12}"
-    ]
-    for row in found:
-        x, y, yaw = (1e3 * row[key] for key in POSE)
-        lines.append(f"{row['unit']:7}{row['what']:31}{x:18.2f}{y:10.2f}{yaw:12.2f}")
-    cli.report(options, found, *lines)
+    cli.report(options, found, render("sensitivities.txt", rows=found))
 
 
 def rows(run: Run) -> list[dict[str, Any]]:
@@ -109,10 +100,7 @@ def rows(run: Run) -> list[dict[str, Any]]:
 
 def draw(run: Run, found: Sequence[Mapping[str, Any]], path: Path) -> None:
     """Arrows from the feet, as the end moves by a unit of what is changed there."""
-    import numpy as np
     from matplotlib.figure import Figure
-
-    from sim import palette
 
     feet = run.contact_point[0] - run.achieved[0, :2]
     longest = max(float(np.hypot(row["x"], row["y"])) for row in found) or 1.0
@@ -145,7 +133,6 @@ def _kind(row: Mapping[str, Any]) -> str:
 def figures(options: argparse.Namespace) -> None:
     """Draw the figures, name each when it is written, and print their folder."""
     from sim.figures.sheet import draw
-    from sim.folder import claim
 
     folder = claim(cli.folder_of(options), "figures")
     kept = partial(cli.kept_in, folder.path, options.out)

@@ -11,15 +11,13 @@ from collections.abc import Iterator
 from importlib.metadata import version
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
 from sim.commands import options as cli
 from sim.errors import UsageError
+from sim.folder import blamed_on, ensure_folder
 from sim.progress import bar
-
-if TYPE_CHECKING:
-    from sim.runs.run import Run
+from sim.runs.run import Run, read_run
 
 FILMS = (".mp4", ".webp")
 PORTS = 65535
@@ -32,9 +30,7 @@ OF_PREDICTIONS = {
 
 def show(options: argparse.Namespace) -> None:
     """Draw the report, print its path and open it."""
-    from sim.folder import blamed_on
     from sim.reports.page import write_report
-    from sim.runs.run import read_run
 
     folder = cli.run_of(options)
     with bar(quiet=options.json) as progress, blamed_on(folder):
@@ -77,8 +73,6 @@ def film(options: argparse.Namespace) -> None:
 
 def _new_film(out: str | None) -> Path | None:
     """The film that `--out` names, which must be new."""
-    from sim.folder import ensure_folder
-
     if out is None:
         return None
     path = Path(out)
@@ -130,9 +124,6 @@ def cite(options: argparse.Namespace) -> None:
     """Print BibTeX entries."""
     keys, made = list(ALWAYS), version("stratawalk")
     if options.run is not None:
-        from sim.folder import blamed_on
-        from sim.runs.run import read_run
-
         folder = Path(options.run)
         with blamed_on(folder):
             run = read_run(folder)

@@ -3,37 +3,50 @@
 from __future__ import annotations
 
 import argparse
+from collections import defaultdict
 from dataclasses import replace
-from math import degrees, floor, log10, sqrt
+from math import floor, log10, sqrt
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from models import shipped_robots
 from sim.commands import options as cli
 from sim.errors import UsageError
+from sim.fitting.estimate import Estimates, Parameter
+from sim.fitting.fitting import (
+    JointFit,
+    Value,
+    card_text,
+    check_free,
+    fit_joints,
+    write_card,
+)
+from sim.fitting.poses import (
+    PoseFit,
+    Walked,
+    fit_poses,
+    log_of,
+    walked_of_log,
+    walked_of_run,
+)
+from sim.logs.log import Log, read_log
+from sim.logs.playing import scenario_of
+from sim.preparation.setup import Setup, prepare
 from sim.progress import bar, stage
-
-if TYPE_CHECKING:
-    from sim.fitting.estimate import Estimates, Parameter
-    from sim.fitting.fitting import JointFit, Value
-    from sim.fitting.poses import PoseFit, Walked
-    from sim.logs.log import Log
-    from sim.preparation.setup import Setup
+from sim.runs.run import read_run
+from sim.templates import render
 
 MILLI, MILLI_UNITS = 1e3, {"rad": "mrad", "s": "ms"}  # in tables
 
 
 def fit(options: argparse.Namespace) -> None:
     """Fit servos and what moves the body, print both, and write a card if asked for."""
-    from sim.fitting.fitting import card_text, check_free, fit_joints, write_card
-    from sim.fitting.poses import fit_poses
-
     if options.out is not None:
         check_free(Path(options.out))
     setup, logs, walked = _sources(options)
     walking = walked is not None if options.walking is None else options.walking
     told: dict[str, tuple[Value, Value]] = {}
     facts: dict[str, object] = {}
-    lines: list[str] = []
+    parts: dict[str, object] = dict.fromkeys(("body", "servos", "written"))
     with bar(quiet=options.json) as progress:
         if all(log.measured is not None for log in logs):
             with stage(progress, "fitting servos"):
@@ -42,7 +55,7 @@ def fit(options: argparse.Namespace) -> None:
             both = zip(fit.joints, fit.before.tolist(), fit.after.tolist(), strict=True)
             kept = {joint: {"before": b, "after": a} for joint, b, a in both}
             facts["servos"] = {"unseen": fit.make.unseen(), "held_out": kept}
-            lines += _servo_lines(fit)
+            parts["servos"] = _of_servos(fit)
         if walked is not None:
             delay, _ = told.get("command_delay", (0.0, 0.0))
             late = replace(walked, times=walked.times - delay)
@@ -51,23 +64,16 @@ def fit(options: argparse.Namespace) -> None:
             told = {**body.settings, **told}
             missed = {"before": body.before, "after": body.after}
             facts["body"] = {"unseen": body.found.unseen(), "held_out": missed}
-            lines = [*_body_lines(body), *lines]
+            parts["body"] = _of_body(body)
     if options.out is not None:
         text = card_text(setup.robot, told, options.sources)
-        lines.append(f"written: {write_card(setup.robot, Path(options.out), text)}")
+        parts["written"] = write_card(setup.robot, Path(options.out), text)
     settings = {key: {"value": v, "error": e} for key, (v, e) in told.items()}
-    cli.report(options, {"settings": settings} | facts, *lines)
+    cli.report(options, {"settings": settings} | facts, render("fit.txt", **parts))
 
 
 def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | None]:
     """The robot as it is known, logs of the same joints, and the first one's poses."""
-    from models import shipped_robots
-    from sim.fitting.poses import log_of, walked_of_log, walked_of_run
-    from sim.logs.log import read_log
-    from sim.logs.playing import scenario_of
-    from sim.preparation.setup import prepare
-    from sim.runs.run import read_run
-
     first, *rest = options.sources
     named = first.endswith(".xml") or first in shipped_robots()
     paths = [Path(name) for name in (rest if named else options.sources)]
@@ -104,20 +110,16 @@ def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | No
     return setup, logs, walked
 
 
-def _body_lines(fit: PoseFit) -> list[str]:
+def _of_body(fit: PoseFit) -> dict[str, object]:
     """What moves the body, what does not show, and what the kept rows say."""
-    cells = zip(fit.found.parameters, _cells(fit.found, 0), strict=True)
-    return [
-        *(f"{p.name:24}{cell:>20} {_unit(p)}".rstrip() for p, cell in cells),
-        *fit.found.unseen(),
-        "zeros are not fitted to where the body went, only to measured joints",
-        f"the walk's last quarter is missed by {1e3 * fit.before:.2f} mm as the robot "
-        f"was described, and by {1e3 * fit.after:.2f} as it was fitted to the rest",
-        "",
-    ]
+    found = fit.found
+    cells = zip(found.parameters, _cells(found, 0), strict=True)
+    rows = [(parameter.name, cell, _unit(parameter)) for parameter, cell in cells]
+    missed = {"before": fit.before, "after": fit.after}
+    return {"rows": rows, "unseen": found.unseen(), **missed}
 
 
-def _servo_lines(fit: JointFit) -> list[str]:
+def _of_servos(fit: JointFit) -> dict[str, object]:
     """Every joint, all of them, what does not show, and what the kept rows say."""
     servo = fit.each.parameters
     shared = dict(zip(fit.make.parameters, _cells(fit.make, 0), strict=True))
@@ -127,20 +129,14 @@ def _servo_lines(fit: JointFit) -> list[str]:
         *((joint, _cells(fit.each, row)) for row, joint in enumerate(fit.joints)),
         ("all joints", [shared.get(p, "") for p in servo]),
     ]
-    unseen: dict[str, list[str]] = {}
+    unseen: dict[str, list[str]] = defaultdict(list)
     for row, joint in enumerate(fit.joints):
         for words in fit.each.unseen(row):
-            unseen.setdefault(words, []).append(joint)
+            unseen[words].append(joint)
     for words in fit.make.unseen():
-        unseen.setdefault(words, []).append("all joints together")
-    before, after = (degrees(sqrt((r**2).mean())) for r in (fit.before, fit.after))
-    return [
-        *(f"{name:12}{''.join(f'{c:>20}' for c in row)}" for name, row in rows),
-        "",
-        *(f"{words}: {', '.join(joints)}" for words, joints in unseen.items()),
-        f"the last quarter is missed by {before:.3f} degrees as the robot was "
-        f"described, and by {after:.3f} as it was fitted to the rest",
-    ]
+        unseen[words].append("all joints together")
+    before, after = (sqrt((missed**2).mean()) for missed in (fit.before, fit.after))
+    return {"rows": rows, "unseen": unseen, "before": before, "after": after}
 
 
 def _unit(parameter: Parameter) -> str:

@@ -4,17 +4,30 @@ from __future__ import annotations
 
 import argparse
 import os
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
+import numpy as np
+
+from models import (
+    Draft,
+    ModelError,
+    Source,
+    TwistModel,
+    draft_card,
+    load,
+    shipped_robots,
+    source_of,
+)
 from sim.commands import options as cli
 from sim.errors import UsageError
+from sim.folder import whole
+from sim.interruption import processor_time
+from sim.preparation.inspection import describe, facts_of, inspected
+from sim.preparation.setup import Setup, prepare
 from sim.progress import Progress, bar, stage
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from models import Draft, Source, TwistModel
-    from sim.preparation.setup import Setup
+from sim.scenarios.file import load_scenario
+from sim.templates import render
 
 BUDGET = 30.0  # [s] of the processor, to adopt a robot
 PLACES = (-1.0, 0.0, 1.0)  # of the span at which measured twists are shown
@@ -25,8 +38,6 @@ def robots(options: argparse.Namespace) -> None:
     if options.robot is not None:
         _show(options)
         return
-    from models import load, shipped_robots
-
     cards = {name: load(name).card for name in shipped_robots()}
     facts = [
         {
@@ -43,9 +54,6 @@ def robots(options: argparse.Namespace) -> None:
 
 
 def _show(options: argparse.Namespace) -> None:
-    from sim.preparation.inspection import describe, inspected
-    from sim.scenarios.file import load_scenario
-
     scenario = load_scenario("line", {"robot": options.robot})
     with cli.working(options, "trying it out"):
         found = inspected(scenario, cli.robot_of(options, scenario.robot))
@@ -54,10 +62,6 @@ def _show(options: argparse.Namespace) -> None:
 
 def adopt(options: argparse.Namespace) -> None:
     """Draft the card, try whether the robot stands, and write it beside the file."""
-    from models import ModelError, shipped_robots
-    from sim.interruption import processor_time
-    from sim.preparation.inspection import describe, facts_of
-
     if options.robot in shipped_robots() and not os.path.exists(options.robot):
         remedy = f"walk it: stratawalk run line --robot {options.robot}"
         raise UsageError("it is shipped with a card", options.robot, remedy)
@@ -68,25 +72,14 @@ def adopt(options: argparse.Namespace) -> None:
     with processor_time(BUDGET, too_long):
         source, draft, setup, written = _adopted(options)
     found, files = facts_of(setup), [str(path) for path in written]
-    lines = [
-        f"{'' if number else head:12}{line}"
-        for head, lines in {"guessed": draft.guesses, "written": files}.items()
-        for number, line in enumerate(lines)
-    ]
-    trust = " --allow-external" if setup.robot.opened.external else ""
-    to_do = (
-        f"{'to do':12}read the card, which says what each joint does, correct it, and "
-        f"walk: stratawalk run line --robot {source.path}{trust}"
-    )
+    path, external = source.path, setup.robot.opened.external
     told = {"written": files, "guesses": draft.guesses, "robot": found}
-    cli.report(options, told, describe(found), "", *lines, to_do)
+    text = render("adopted.txt", path=path, external=external, **told)
+    cli.report(options, told, describe(found), text)
 
 
 def _adopted(options: argparse.Namespace) -> tuple[Source, Draft, Setup, list[Path]]:
     """What was found and what was written, which is nothing where it does not stand."""
-    from models import draft_card, load, source_of
-    from sim.folder import whole
-
     source = source_of(options.robot, options.allow_external)
     card, picture = source.path.with_suffix(".toml"), source.path.with_suffix(".png")
     model = [] if source.text is None else [source.path]
@@ -97,9 +90,7 @@ def _adopted(options: argparse.Namespace) -> tuple[Source, Draft, Setup, list[Pa
             )
     with cli.working(options, "finding the legs"):
         draft = draft_card(source)
-    from sim.figures.mechanism import save_standing
-    from sim.preparation.setup import prepare
-    from sim.scenarios.file import load_scenario
+    from sim.figures.mechanism import save_standing  # loads matplotlib
 
     try:
         for path, text in ((source.path, source.text), (card, draft.card)):
@@ -121,9 +112,6 @@ def _adopted(options: argparse.Namespace) -> tuple[Source, Draft, Setup, list[Pa
 
 def identify(options: argparse.Namespace) -> None:
     """Measure, and print every field at three places of its swing."""
-    from sim.preparation.setup import prepare
-    from sim.scenarios.file import load_scenario
-
     changes = cli.settings_of(options) | {"robot": options.robot}
     scenario = load_scenario("line", changes)
     robot = cli.robot_of(options, scenario.robot)
@@ -131,7 +119,7 @@ def identify(options: argparse.Namespace) -> None:
         with stage(progress, "compiling"):
             setup = prepare(scenario, robot)
         found = fields(setup, progress)
-    cli.report(options, found, *map(_describe, found))
+    cli.report(options, found, render("fields.txt", fields=found))
 
 
 def fields(setup: Setup, progress: Progress) -> list[dict[str, Any]]:
@@ -139,8 +127,6 @@ def fields(setup: Setup, progress: Progress) -> list[dict[str, Any]]:
 
     A field that could not be measured has nulls, and the reason.
     """
-    import numpy as np
-
     from sim.experiments.identification import MODELS, identify, twist_model
 
     identified = identify(setup, progress)
@@ -159,19 +145,3 @@ def fields(setup: Setup, progress: Progress) -> list[dict[str, Any]]:
         {"field": name, "stratum": field.stratum, **unmeasured, "reason": field.reason}
         for name, field in identified.failed.items()
     ]
-
-
-def _describe(field: dict[str, Any]) -> str:
-    place = f"{field['field']} on S{field['stratum']}"
-    if field["reason"]:
-        return f"{place}: not measured, {field['reason']}\n"
-    lines = [
-        f"{place}: forward and left [m/rad], yaw [rad/rad]; "
-        f"{1e3 * field['slip']:.1f} mm slip in the whole swing"
-    ]
-    heads = "".join(f"at {angle:+.2f} rad{'':17}" for angle in field["angles"])
-    lines.append(f"{'':14}{heads}".rstrip())
-    for model, twists in field["twists"].items():
-        row = "".join(f"{t[0]:8.4f}{t[1]:9.4f}{t[2]:9.4f}   " for t in twists)
-        lines.append(f"{model.replace('_', '-'):14}{row}".rstrip())
-    return "\n".join(lines) + "\n"

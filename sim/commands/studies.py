@@ -9,16 +9,22 @@ from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from sim.commands import options as cli
 from sim.endings import again, keeping
 from sim.errors import ExitCode, UsageError
+from sim.folder import RunFolder, blamed_on, ensure_folder
 from sim.progress import bar, stage
 from sim.scenarios.predictions import prediction_key
-
-if TYPE_CHECKING:
-    from sim.sweeps.sweeping import Result
+from sim.studies import maps
+from sim.studies.designing import DIRECTIONS, designs, tried
+from sim.studies.results import findings, read_results
+from sim.sweeps import sweeping
+from sim.sweeps.file import read_sweep
+from sim.sweeps.folder import Shard, claim
+from sim.sweeps.ledger import software
+from sim.sweeps.table import write_table
 
 PRINTED = 5  # reasons of failed points, at most
 PAGES = (".html", ".htm")
@@ -26,10 +32,6 @@ PAGES = (".html", ".htm")
 
 def sweep(options: argparse.Namespace) -> ExitCode:
     """Walk what is not done yet, write the table, and say what failed."""
-    from sim.sweeps.file import read_sweep
-    from sim.sweeps.folder import Shard, claim
-    from sim.sweeps.sweeping import carry_on, points_of, write_run_folders
-
     asked = read_sweep(options.file)
     shard = options.shard or Shard()
     workers, scheduler = options.workers, options.scheduler
@@ -37,7 +39,7 @@ def sweep(options: argparse.Namespace) -> ExitCode:
         what = "a scheduler has workers of its own"
         raise UsageError(what, "--workers and --scheduler", "keep one of them")
     workers = workers or len(os.sched_getaffinity(0))
-    points = points_of(asked, shard)
+    points = sweeping.points_of(asked, shard)
     folder = claim(Path(options.out), shard, options.resume)
     far, first = "points that are done", None
 
@@ -57,24 +59,24 @@ def sweep(options: argparse.Namespace) -> ExitCode:
             about = f"points, {done} of {count} done, {failed} failed"
             progress(about, (done - first) / max(count - first, 1))
 
-        result = carry_on(
+        result = sweeping.carry_on(
             points, folder, workers, scheduler, mix=options.force_mix, show=show
         )
-        for line in write_run_folders(points, folder):
+        for line in sweeping.write_run_folders(points, folder):
             cli.notice(f"no run folder, {line}", "warning")
     return _print_result(options, result, folder.table)
 
 
 def merge(options: argparse.Namespace) -> ExitCode:
     """Write the table of all shards, and say what failed."""
-    from sim.sweeps.sweeping import merge
-
     folders = [Path(folder) for folder in options.folders]
     out = folders[0] if options.out is None else Path(options.out)
-    return _print_result(options, *merge(folders, out))
+    return _print_result(options, *sweeping.merge(folders, out))
 
 
-def _print_result(options: argparse.Namespace, result: Result, table: Path) -> ExitCode:
+def _print_result(
+    options: argparse.Namespace, result: sweeping.Result, table: Path
+) -> ExitCode:
     """Say what became of a sweep; the code that it ends with."""
     shown = list(result.reasons.items())[:PRINTED]
     cli.report(
@@ -94,10 +96,6 @@ def _print_result(options: argparse.Namespace, result: Result, table: Path) -> E
 
 def study(options: argparse.Namespace) -> None:
     """Print what a sweep has found, and draw its maps."""
-    from sim.folder import RunFolder, blamed_on, ensure_folder
-    from sim.studies.maps import draw_maps, page
-    from sim.studies.results import findings, read_results
-
     given = Path(options.table)
     beside = (given if given.is_dir() else given.parent) / "maps"
     out = beside if options.out is None else Path(options.out)
@@ -113,12 +111,12 @@ def study(options: argparse.Namespace) -> None:
     ):
         found = findings(results)
         if paged:
-            text = page(results.fitted(), found, given, folder)
+            text = maps.page(results.fitted(), found, given, folder)
             RunFolder(folder).write_text(out.name, text)
             made: dict[str, object] = {"page": str(out)}
             lines = [f"{'page':8}{out}"]
         else:
-            drawn = draw_maps(results, folder)
+            drawn = maps.draw_maps(results, folder)
             made = {"maps": [str(path) for path in drawn]}
             lines = [f"{'map':8}{path}" for path in drawn]
     cli.report(options, asdict(found) | made, found, *lines)
@@ -126,10 +124,6 @@ def study(options: argparse.Namespace) -> None:
 
 def design(options: argparse.Namespace) -> None:
     """Check every design, walk those that go everywhere, and print the table."""
-    from sim.studies.designing import designs, tried
-    from sim.sweeps.ledger import software
-    from sim.sweeps.table import write_table
-
     robot = cli.robot_of(options, options.robot)
     found = list(islice(designs(robot.legs), options.designs))
     if not found:
@@ -152,8 +146,6 @@ def design(options: argparse.Namespace) -> None:
 
 def _table(rows: list[Mapping[str, Any]]) -> Iterator[str]:
     """By the number of joints: designs, where they go, and the best that walked."""
-    from sim.studies.designing import DIRECTIONS
-
     by_joints = defaultdict(list)
     for row in rows:
         by_joints[row["joints"]].append(row)

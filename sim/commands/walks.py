@@ -12,24 +12,26 @@ from typing import TYPE_CHECKING
 from sim.commands import options as cli
 from sim.endings import keeping
 from sim.errors import ExitCode, RenderError, UsageError, one_line
+from sim.evaluation.quantities import describe
+from sim.evaluation.summary import Summary, Weighed
+from sim.folder import claim
+from sim.logs.alignment import together
+from sim.logs.log import Log, Reader, read_log
 from sim.progress import bar
+from sim.scenarios.predictions import PREDICTIONS, who_ignores
+from sim.scenarios.scenario import Scenario, drawn
 
 if TYPE_CHECKING:
     from models import Robot
-    from sim.evaluation.summary import Summary, Weighed
-    from sim.logs.log import Log, Reader
-    from sim.scenarios.scenario import Scenario
 
 
 def run(options: argparse.Namespace) -> ExitCode:
     """Walk the scenario and print how it went."""
     scenario = cli.scenario_of(options)
 
-    from sim.scenarios.predictions import PREDICTIONS, who_ignores
-    from sim.scenarios.scenario import drawn
-    from sim.world.changes import changes
+    from sim.world.changes import changes  # the slow part comes after refusals
 
-    robot = cli.robot_of(options, scenario.robot)  # the slow part comes after refusals
+    robot = cli.robot_of(options, scenario.robot)
     look = options.look if _can_film(options.video) else None
     if options.tries is not None and scenario.imperfect is None:
         scenario = replace(scenario, imperfect="hobby")
@@ -58,8 +60,6 @@ def _walk(
 
     What is `said` beforehand is noticed once there is a folder.
     """
-    from sim.evaluation.quantities import describe
-    from sim.folder import claim
     from sim.run_folder import run
 
     folder = claim(cli.folder_of(options), scenario.name)
@@ -112,8 +112,6 @@ def _can_film(wanted: bool | None) -> bool:
 
 def play(options: argparse.Namespace) -> ExitCode:
     """Play the motion and print how it went."""
-    from sim.logs.alignment import together
-    from sim.logs.log import read_log
     from sim.logs.playing import scenario_of
 
     robot = cli.robot_of(options, options.robot)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 from importlib.resources import files
-from math import degrees
+from math import degrees, inf
 from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup, escape
@@ -37,6 +37,7 @@ def _environment() -> Environment:
     environment.filters["plain"] = Markup  # for our own SVG, style and script
     environment.filters["breakable"] = _breakable
     environment.filters |= {"to": format, "mm": _millimetres, "degrees": degrees}
+    environment.globals["inf"] = inf
     return environment
 
 
