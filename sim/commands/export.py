@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import os
-from collections.abc import Mapping
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,7 +12,10 @@ from sim.commands import options as cli
 from sim.commands.walks import judged
 from sim.endings import again, keeping
 from sim.errors import ExitCode, UsageError
+from sim.evaluation.quantities import describe_export
+from sim.folder import blamed_on
 from sim.progress import Progress, bar
+from sim.templates import render
 
 if TYPE_CHECKING:
     from sim.evaluation.summary import Played
@@ -21,7 +23,6 @@ if TYPE_CHECKING:
     from sim.export.source import Source
 
 RATE = 50.0  # commands a second of a walk without a rate, as most hobby servos take
-WORTH_TELLING = 0.005  # of the path, which an export costs
 COARSE = (
     "this walk was planned for servos that take a command every physics step; plan it "
     "for yours with --set servo=NAME, or with --set command_rate={rate:g}"
@@ -32,8 +33,6 @@ def export(options: argparse.Namespace) -> ExitCode:
     """Export the walk and print where the export leads."""
     out = Path(options.out)
     _require_sense(options, out)
-
-    from sim.folder import blamed_on
 
     folder = Path(options.scenario)
     blame = blamed_on(folder) if folder.is_dir() else nullcontext()
@@ -62,7 +61,9 @@ def export(options: argparse.Namespace) -> ExitCode:
         "exported": None,
         **{name: one.to_json() for name, one in played.items()},
     }
-    cli.report(options, facts, _report(options, source, read, played, coarse))
+    shown = [(n, one, describe_export(summary, one, n)) for n, one in played.items()]
+    found = {"commands": read, "played": shown, "coarse": coarse, "file": options.out}
+    cli.report(options, facts, render("export.txt", **found, **summary))
     weighed = {f"the walk as {name}": one.weighed for name, one in played.items()}
     remedy = f"{options.out} is written; correct the walk before servos carry it out"
     return judged(summary, options.tolerance, remedy, weighed)
@@ -138,38 +139,3 @@ def _written(
     finest = max(channel.counts_per_radian for channel in table.channels)
     coarse = 1 / finest if kind in ("header", "dynamixel") else 0.0
     return commands, read(out, kind, table), coarse
-
-
-def _report(
-    options: argparse.Namespace,
-    source: Source,
-    commands: ServoCommands,
-    played: Mapping[str, Played],
-    coarse: float,
-) -> str:
-    from sim.evaluation.quantities import describe_export
-
-    summary = source.run.summary
-    lines = [
-        f"{summary.scenario}: {summary.robot}, {len(commands.angles)} commands "
-        f"of {len(commands.joints)} servos, {commands.rate:g} a second"
-    ]
-    for name, one in played.items():
-        how = "held" if name == "exported" else name
-        facts = [f"{one.bounces} bounces, each command {how}"]
-        if one.changed > WORTH_TELLING:
-            facts.append(_what_changed(one, commands.rate, coarse))
-        lines += [f"{'played':13}{'; '.join(facts)}"]
-        lines += ["", describe_export(summary, one, name), ""]
-    return "\n".join([*lines, *([] if played else [""]), f"{'file':13}{options.out}"])
-
-
-def _what_changed(played: Played, rate: float, coarse: float) -> str:
-    """What reading and rounding cost, and how the walk is planned for it."""
-    cost = f"it ends {100 * played.changed:.2g} % of its path from the walk itself"
-    if coarse:
-        return (
-            f"{cost}, since angles are rounded to counts of {1e3 * coarse:.3g} mrad: "
-            f"plan on whole ones with --set resolution={coarse:.6g}"
-        )
-    return f"{cost}: plan at this rate with --set command_rate={rate:g}"

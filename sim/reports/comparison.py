@@ -20,9 +20,9 @@ from sim.evaluation.quantities import (
 from sim.progress import Progress, silent, stage
 from sim.reports.maps import overlaid
 from sim.reports.tables import MM, Table, contributions, flat, kinds_of, sentences
-from sim.templates import render
 from sim.runs.run import Run
 from sim.scenarios.predictions import IDEAL, PREDICTIONS
+from sim.templates import render
 
 FINER = 1  # digits, by which errors of several runs are told apart
 IGNORED = ("name", "description")

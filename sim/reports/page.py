@@ -7,18 +7,14 @@ it, the time above and the field below, and strata named after the groups that s
 
 from __future__ import annotations
 
-import json
-import re
 from collections.abc import Iterator
 from itertools import chain, groupby
 from pathlib import Path
 
 import numpy as np
-from markupsafe import Markup
 
 from planner import Array
 from sim.evaluation.flows import WalkedPhase
-from sim.evaluation.quantities import MINUS
 from sim.folder import RunFolder
 from sim.pictures.clock import FRAME_RATE, clock
 from sim.progress import Progress, silent
@@ -26,14 +22,13 @@ from sim.reports import tables
 from sim.reports.drawing import Drawing
 from sim.reports.maps import errors, plan_view
 from sim.reports.panels import panels
-from sim.templates import render
 from sim.runs.run import Run
 from sim.scenarios.predictions import PREDICTIONS
+from sim.templates import render
 
 NAME = "report.html"
 MOMENTS = 1500  # at most under the cursor
 DRAWINGS = 9  # at most, those of a walk among obstacles
-FIELD = re.compile(r"g(\w+)_(\w+)")
 DOING = {
     "hold": "standing still",
     "lift": "group {} lifts off",
@@ -66,7 +61,7 @@ def page(run: Run, progress: Progress = silent) -> str:
         sequence=list(_sequence(run)),
         settings=tables.settings(run),
         versions=tables.versions(run),
-        moments=as_script(_moments(run)),
+        moments=_moments(run),
     )
 
 
@@ -78,12 +73,6 @@ def _drawn(run: Run, progress: Progress) -> Iterator[Drawing]:
         progress("report", min(number / DRAWINGS, 1.0))
         yield drawing
     progress("report", 1.0)
-
-
-def as_script(value: object) -> Markup:
-    """JSON that may stand inside a script element."""
-    text = json.dumps(value, allow_nan=False, separators=(",", ":"))
-    return Markup(text.replace("<", "\\u003c"))
 
 
 def _moments(run: Run) -> dict[str, object]:
@@ -112,32 +101,16 @@ def _finite(values: Array, digits: int) -> list[float | None]:
     return [round(float(v), digits) if np.isfinite(v) else None for v in values]
 
 
-def _sequence(run: Run) -> Iterator[tuple[int, Markup]]:
-    """Number of each segment, from 1, and its flows in the order of time."""
+def _sequence(run: Run) -> Iterator[tuple[int, list[tuple[str, WalkedPhase]]]]:
+    """Number of each segment, from 1, and its phases, with strata that are new."""
     last = ""
     for segment, phases in groupby(run.phases, key=lambda phase: phase.segment):
-        text = Markup("")
+        steps = []
         for phase in phases:
             stratum = phase.stratum
             if phase.kind == "land":  # that of all who stand once it is over
                 pair = phase.stratum, phase.group
                 stratum = "".join(g for g in run.groups if any(g in s for s in pair))
-            if stratum != last:
-                text += Markup(" &rarr; " if last else "") + _subscript("S", stratum)
-                last = stratum
-            if phase.kind == "swing":
-                text += Markup(" ") + _flow(phase)
-        yield segment + 1, text
-
-
-def _flow(phase: WalkedPhase) -> Markup:
-    amount = f"{phase.amount:.4g}".replace("-", MINUS)
-    name = Markup.escape(phase.field)
-    if found := FIELD.fullmatch(phase.field):  # the second of stratum 12, say
-        name = _subscript("g", f"{found[1]},{found[2]}")
-    text = "<span class=flow>&phi;<span><sup>{}</sup><sub>{}</sub></span></span>"
-    return Markup(text).format(amount, name)
-
-
-def _subscript(letter: str, index: str) -> Markup:
-    return Markup("{}<sub>{}</sub>").format(letter, index)
+            steps.append(("" if stratum == last else stratum, phase))
+            last = stratum
+        yield segment + 1, steps

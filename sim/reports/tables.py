@@ -22,9 +22,9 @@ from sim.runs.run import Run
 from sim.scenarios.file import toml_value
 from sim.scenarios.predictions import PREDICTIONS
 from sim.scenarios.settings import SETTINGS
+from sim.templates import render
 
 MM = 1e3
-FORESEEN = 0.5  # of the slip; with less in the prediction, friction let go
 SHIFTED = {  # what the phases of a walk are called in the table of sources
     "hold": "standing still on S{}",
     "lift": "lift-off to S{}",
@@ -48,36 +48,10 @@ class Table:
 
 def sentences(run: Run) -> list[str]:
     """What became of the walk, the most important first."""
-    text, ignored = run.summary.verdict_text, run.summary.ignored
-    least = MM * run.summary.achieved.min_margin
-    where = f"up to {-least:.1f} mm outside its support"
-    if least >= 0:
-        where = f"never less than {least:.1f} mm inside its support"
-    return [
-        f"{text[:1].upper()}{text[1:]}.",
-        f"Its centre of mass was {where}.",
-        _slip(run),
-        *([f"Its predictions ignore {ignored}."] if ignored else []),
-    ]
-
-
-def _slip(run: Run) -> str:
-    """How far the feet slipped, and why so much farther than the body got."""
-    summary, label = run.summary, PREDICTIONS[run.best].label
-    slip, floor = summary.achieved.slip, summary.achieved.creep_floor
+    summary = run.summary
+    known = {"label": PREDICTIONS[run.best].label, "ignored": summary.ignored}
     foreseen = SLIP.value(summary, run.best) or 0.0
-    text = f"Its feet slipped {MM * slip:,.1f} mm in all"
-    if foreseen < FORESEEN * slip:
-        text += f", of which the {label} prediction has only {MM * foreseen:,.1f} mm"
-    elif slip:
-        text += (
-            f", {MM * foreseen:,.1f} mm in the {label} prediction: for a path of "
-            f"{MM * summary.path_length:,.0f} mm the body walks "
-            f"{MM * summary.distance_walked:,.0f} mm, back and forth, and on the way "
-            "legs without a third joint drag the feet they stand on"
-        )
-    creep = f"; {MM * (floor or 0.0):.2g} mm is the solver's creep"
-    return f"{text}{'' if floor is None else creep}."
+    return render("sentences.txt", foreseen=foreseen, **known, **summary).splitlines()
 
 
 def ends(run: Run) -> Table:

@@ -22,11 +22,11 @@ from sim.folder import whole
 from sim.palette import FAINT, OUTCOMES
 from sim.reports.drawing import finish
 from sim.reports.tables import Table
-from sim.templates import render
 from sim.scenarios.file import toml_value
 from sim.scenarios.settings import FORMER, SETTINGS
 from sim.studies.results import NO_WALK, SEPARATE, Findings, Results
 from sim.sweeps.folder import run_folder
+from sim.templates import render
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

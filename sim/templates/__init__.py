@@ -38,6 +38,8 @@ def _environment() -> Environment:
     environment.filters["breakable"] = _breakable
     environment.filters |= {"to": format, "mm": _millimetres, "degrees": degrees}
     environment.globals["inf"] = inf
+    plainly = {"allow_nan": False, "separators": (",", ":")}
+    environment.policies["json.dumps_kwargs"] = plainly
     return environment
 
 
