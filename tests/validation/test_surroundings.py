@@ -1,6 +1,7 @@
 """Walks do not depend on what is around the command."""
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -31,7 +32,9 @@ def test_bytes_do_not_depend_on_surroundings(tmp_path):
             env={**more, "PYTHONPATH": os.getcwd()},
             capture_output=True,
         )
-        assert (done.returncode, done.stderr) == (0, b"")
+        # On a busy machine a stage lasts long enough to tell its progress in a pipe.
+        words = re.sub(rb"(?m)^\w+ +\d+%, about \d+ s left\n", b"", done.stderr)
+        assert (done.returncode, words) == (0, b"")
     for file in ("commands.npz", "trajectory.npz", "flows.csv", "model.xml"):
         first, second = (Path(tmp_path, name, file).read_bytes() for name in "ab")
         assert first == second
