@@ -41,6 +41,7 @@ QUIET = {
     "distributed.logging.distributed": "critical",
     "distributed.scheduler.worker-ttl": None,
     "distributed.comm.timeouts.tcp": "600s",
+    "distributed.deploy.lost-worker-timeout": "1h",  # its successor may start slowly
 }
 ALIKE = (*PACKAGES, "machine", "code")
 """Versions that must be the same on every worker."""
@@ -152,11 +153,25 @@ class WorkerPool:
             else:
                 self.refused[worker] = one_line(error)
             return
-        both = ({k: known[k] for k in ALIKE} for known in (software(), answer.result()))
+        if (found := self._fetched(worker, answer)) is None:
+            del self.asked[worker]
+            return
+        both = ({k: known[k] for k in ALIKE} for known in (software(), found))
         if differ := differences(*both):
             self.refused[worker] = ", ".join(differ).replace("now", "there")
         else:
             self.accepted.add(worker)
+
+    def _fetched(self, worker: str, future: Future) -> Any:
+        """The result that a worker has; None if it died before it handed it over.
+
+        Dask would wait for it for ever: no other worker may do the work again.
+        """
+        while True:
+            with suppress(TimeoutError):
+                return future.result(1)
+            if worker not in self._there():
+                return None
 
     def _submit(self, worker: str, work: object, *given: object) -> Future:
         there = {"workers": [worker], "allow_other_workers": False}
@@ -173,9 +188,9 @@ class WorkerPool:
         return [self._settle(future) for future in done | lost]
 
     def _settle(self, future: Future) -> tuple[Task, Outcome | None]:
-        task, _ = self.running.pop(future)
-        if future.status == "finished":
-            return task, future.result()
+        task, worker = self.running.pop(future)
+        if future.status == "finished" and (found := self._fetched(worker, future)):
+            return task, found
         if future.status in ("cancelled", "lost") and self.client.status != "running":
             raise CancelledError
         error = future.exception() if future.status == "error" else None
@@ -213,7 +228,7 @@ def open_pool(workers: int, scheduler: str | None) -> Iterator[WorkerPool]:
 
     They are processes on this machine, or those of the Dask scheduler at an address.
     """
-    for name in ("distributed", "distributed.client"):
+    for name in ("asyncio", "distributed", "distributed.client"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
     logging.getLogger("distributed").handlers[:] = [logging.NullHandler()]
     dask.config.set(QUIET)
@@ -233,10 +248,10 @@ def open_pool(workers: int, scheduler: str | None) -> Iterator[WorkerPool]:
             yield WorkerPool(client)
         except KeyboardInterrupt:
             for nanny in () if local is None else local.workers.values():
-                nanny.auto_restart = False  # it would finish its point first
+                nanny.close_gracefully()  # it starts no other worker
                 if nanny.pid is not None:
                     with suppress(ProcessLookupError):
-                        os.kill(nanny.pid, signal.SIGKILL)
+                        os.kill(nanny.pid, signal.SIGKILL)  # nor is its point finished
             raise
 
 
@@ -254,10 +269,12 @@ def _local(stack: ExitStack, workers: int) -> LocalCluster:
             silence_logs=logging.CRITICAL,
         )
     except KeyboardInterrupt:
-        # It cannot close a cluster that is half started, nor should it complain.
-        atexit.unregister(close_clusters)
-        logging.getLogger("asyncio").setLevel(logging.CRITICAL)
+        atexit.unregister(close_clusters)  # which cannot close one half started
         raise
+    except RuntimeError as error:
+        remedy = "where memory is short, ask for fewer"
+        what = "a worker died as it started"
+        raise SweepError(what, f"{workers} here", remedy) from error
     return stack.enter_context(cluster)
 
 

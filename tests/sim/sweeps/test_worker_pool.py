@@ -1,20 +1,26 @@
 """Workers that die, workers of a real Dask cluster, and workers with other software."""
 
+import gc
+import os
+import signal
 import subprocess
 import sys
 import time
+import warnings
 from contextlib import contextmanager
 
 import pandas
 import psutil
 import pytest
+from distributed import Future
 
 from sim.cli import main
+from sim.errors import SweepError
 from sim.sweeps.file import read_sweep
 from sim.sweeps.folder import Shard
 from sim.sweeps.ledger import read_ledger, software
 from sim.sweeps.sweeping import points_of
-from sim.sweeps.worker_pool import ALIKE, open_pool
+from sim.sweeps.worker_pool import ALIKE, Task, WorkerPool, open_pool
 from sim.versions import PACKAGES
 from tests.commands import told
 from tests.sweeps import (
@@ -174,13 +180,47 @@ def test_a_scheduler_that_does_not_answer_is_refused(tmp_path, monkeypatch, caps
     assert "dask scheduler" in message
 
 
-# A port that another scheduler has is warned of by a library.
-@pytest.mark.filterwarnings("ignore")
-def test_a_living_worker_is_not_taken_for_dead(monkeypatch, tmp_path):
+@pytest.fixture(scope="module")
+def client():
+    """Of one worker on this machine."""
+    with warnings.catch_warnings():  # of a port that another scheduler has
+        warnings.simplefilter("ignore")
+        with open_pool(1, None) as pool:
+            yield pool.client
+
+
+def test_a_living_worker_is_not_taken_for_dead(monkeypatch, tmp_path, client):
     points = points_of(read_sweep(str(write_sweep(tmp_path, POISON))), Shard())
-    with open_pool(1, None) as pool:
-        # What the client's own poll leaves behind now and then.
-        monkeypatch.setattr(pool.client, "scheduler_info", lambda **_: {"workers": {}})
-        found = [outcome.status for outcome in pool.carry_out(points.tasks(()))]
+    pool = WorkerPool(client)
+    # What the client's own poll leaves behind now and then.
+    monkeypatch.setattr(client, "scheduler_info", lambda **_: {"workers": {}})
+    found = [outcome.status for outcome in pool.carry_out(points.tasks(()))]
     assert found == ["ok"] * 3
     assert not pool.deaths
+
+
+def test_what_a_worker_takes_with_it_is_done_again(monkeypatch, client):
+    """It dies with a finished point that nobody has fetched yet, and once more."""
+    (nanny,) = client.cluster.workers.values()
+    fetch, killed = Future.result, []
+
+    def killing(future, timeout=60.0):
+        if len(killed) < 2 and nanny.pid not in (None, *killed):
+            killed.append(nanny.pid)
+            os.kill(nanny.pid, signal.SIGKILL)
+        return fetch(future, timeout)
+
+    monkeypatch.setattr(Future, "result", killing)
+    pool = WorkerPool(client)
+    found = [outcome.status for outcome in pool.carry_out([Task("a", {})])]
+    assert len(killed) == 2
+    assert found == ["name is missing: the sweep; give name"]
+
+
+@pytest.mark.filterwarnings("ignore")  # of what Dask leaves behind
+def test_a_worker_that_dies_as_it_starts_ends_the_sweep(monkeypatch, tmp_path):
+    (tmp_path / "sitecustomize.py").write_text("import os\nos._exit(1)\n")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    with pytest.raises(SweepError, match="a worker died as it started: 1 here; "):
+        open_pool(1, None).__enter__()
+    gc.collect()
