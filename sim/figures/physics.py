@@ -7,7 +7,9 @@ from collections.abc import Callable, Iterator, Mapping, MutableSequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from multiprocessing import active_children, get_context
+from multiprocessing import active_children, get_context, parent_process
+from multiprocessing.process import BaseProcess
+from threading import Thread
 
 import numpy as np
 
@@ -114,9 +116,15 @@ def begun(jobs: Mapping[str, Job]) -> Iterator[tuple[Walks, Callable[[], float]]
 
 
 def _share(walked: MutableSequence[float]) -> None:
-    """Where a process tells of its walks."""
+    """Where a process tells of its walks; it ends with the one that began it."""
     global _walked
     _walked = walked
+    Thread(target=_end_as_well, args=(parent_process(),), daemon=True).start()
+
+
+def _end_as_well(parent: BaseProcess) -> None:
+    parent.join()  # it may be killed, or end during a long step
+    os._exit(1)
 
 
 def _perform(job: Job, number: int) -> Walked:

@@ -1,6 +1,8 @@
 """Figures in metres, drawn from short walks in real physics."""
 
 import json
+import multiprocessing
+import time
 from concurrent.futures import Future
 from contextlib import contextmanager
 
@@ -21,7 +23,7 @@ from sim.figures import (
     stability,
 )
 from sim.figures.diagonal import footprints
-from sim.figures.physics import Job, begun, perform
+from sim.figures.physics import Job, _share, begun, perform
 from sim.figures.sheet import draw, drawn, save
 from sim.figures.stability import polygon_margin
 from sim.folder import RunFolder
@@ -141,6 +143,29 @@ def test_walks_are_made_side_by_side_and_told_of():
     assert len(told) > 3  # on the way
     assert (told[0], told[-1]) == (0.0, 1.0)
     assert np.array_equal(done["2"].pose["achieved"], alone.pose["achieved"])
+
+
+def test_a_process_that_walks_ends_with_the_one_that_began_it():
+    fork = multiprocessing.get_context("fork")
+    reader, writer = fork.Pipe(duplex=False)
+
+    def walking():
+        _share([])
+        writer.send("walks")
+        time.sleep(60)
+
+    def beginning():
+        fork.Process(target=walking).start()
+        time.sleep(60)
+
+    process = fork.Process(target=beginning)
+    process.start()
+    writer.close()
+    assert reader.recv() == "walks"
+    process.kill()
+    assert reader.poll(20)
+    with pytest.raises(EOFError):
+        reader.recv()
 
 
 def test_a_walk_without_a_plan_ends_the_drawing():
