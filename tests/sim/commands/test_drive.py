@@ -130,6 +130,14 @@ def test_a_file_of_poses_that_is_not_there_is_refused(capsys):
     assert "nowhere.jsonl; name a file, a pipe, or -" in capsys.readouterr().err
 
 
+def test_no_file_is_written_over_with_commands(tmp_path, capsys):
+    path = tmp_path / "mine"
+    path.write_text("mine")
+    assert main([*way(), "--commands", str(path)]) == 2
+    assert f"already exists: {path}; give --commands" in capsys.readouterr().err
+    assert path.read_text() == "mine"
+
+
 @pytest.mark.parametrize(
     "line", [b'{"time": 1' + 400 * b"0" + b"}", b"\xff\xfe", b"[" * 20_000]
 )
