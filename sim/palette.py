@@ -7,8 +7,10 @@ tell them apart too.
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
+from importlib.resources import files
 from typing import Any, NamedTuple
 
 Style = dict[str, Any]  # of a line, as matplotlib takes it
@@ -113,20 +115,12 @@ FOOTPRINT, SPOT, GOAL = 0.014, 0.032, 0.06  # radii; a spot is the centre of mas
 EDGE = 0.01  # width of the edges of support polygon and outline
 GHOST, GHOST_TORSO = 0.5, 0.12  # opacity of a predicted robot's legs and torso
 
-BASE_STYLE: Style = {  # of matplotlib, for drawings of pages and figures
-    "svg.hashsalt": "stratawalk",  # the same drawing gives the same bytes
-    "font.size": 8,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.linewidth": 0.6,
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "grid.color": GRID.hex,
-    "grid.linewidth": 0.5,
-    "xtick.major.width": 0.6,
-    "ytick.major.width": 0.6,
-    "lines.solid_joinstyle": "round",
-}
+STYLES = tomllib.loads((files("sim") / "styles.toml").read_text())
+
+
+def style_of(drawings: str) -> dict[Any, Any]:
+    """Settings of matplotlib for drawings in `figures` or on `pages`."""
+    return {"grid.color": GRID.hex, **STYLES["base"], **STYLES[drawings]}
 
 
 def group(index: int) -> Colour:

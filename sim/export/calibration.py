@@ -193,7 +193,7 @@ def sheet(robot: Robot, path: Path) -> None:
     feet = kinematics.standing.feet
     low = feet.min(axis=0) - 2 * SHEET_EDGE
     high = feet.max(axis=0) + 2 * SHEET_EDGE
-    with mpl.rc_context({"svg.hashsalt": palette.BASE_STYLE["svg.hashsalt"]}):
+    with mpl.rc_context({"svg.hashsalt": palette.STYLES["base"]["svg.hashsalt"]}):
         figure = Figure(figsize=(high - low) * METRE)
         axes = figure.add_axes((0, 0, 1, 1), xlim=(low[0], high[0]))
         axes.set(ylim=(low[1], high[1]), aspect="equal")

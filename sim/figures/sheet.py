@@ -22,6 +22,7 @@ from sim.figures.style import STYLE, sheet_of
 from sim.folder import RunFolder, csv_text, whole
 from sim.palette import Style
 from sim.progress import Progress, silent
+from sim.templates import render
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -58,13 +59,6 @@ class Table:
     def csv(self) -> str:
         """The table as CSV, every digit kept."""
         return csv_text([self.header, *self.rows])
-
-    def markdown(self) -> str:
-        """The table for people, rounded to four digits."""
-        lines: list[Sequence[Cell]] = [self.header, ["---:"] * len(self.header)]
-        for row in self.rows:
-            lines.append([f"{c:.4g}" if isinstance(c, float) else c for c in row])
-        return "".join(f"| {' | '.join(map(str, line))} |\n" for line in lines)
 
 
 @dataclass(frozen=True)
@@ -182,12 +176,8 @@ def save(sheet: Sheet, folder: Path) -> None:
 
 
 def page(sheets: Sequence[Sheet]) -> str:
-    """All sheets with captions and tables, as Markdown."""
-    parts = ["# The paper's figures, drawn again\n"]
-    for s in sheets:
-        parts += [f"## {s.title}\n", f"![{s.title}]({s.name}.png)\n", f"{s.caption}\n"]
-        parts += [f"Numbers: [{s.name}.csv]({s.name}.csv)\n", s.table.markdown()]
-    return "\n".join(parts)
+    """All sheets with captions and tables, rounded to four digits, as Markdown."""
+    return render("figures.md", sheets=sheets) + "\n"
 
 
 def draw(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -36,23 +36,7 @@ PATHS: Mapping[str, Style] = {  # of a walk, the broad ones below
     "quasi_static": PREDICTED["quasi_static"].line(label="predicted, quasi-static"),
 }
 
-STYLE: dict[Any, Any] = {
-    **palette.BASE_STYLE,
-    "axes.titlesize": 8,
-    "figure.titlesize": 8,
-    "axes.titlelocation": "left",
-    "axes.labelsize": 8,
-    "xtick.labelsize": 7,
-    "ytick.labelsize": 7,
-    "legend.fontsize": 7,
-    "legend.frameon": False,
-    "lines.linewidth": 1.0,
-    "savefig.dpi": 300,
-    "savefig.bbox": "tight",
-    "savefig.pad_inches": 0.03,
-    "figure.constrained_layout.use": True,
-    "svg.fonttype": "path",
-}
+STYLE = palette.style_of("figures")
 
 
 def sheet_of(

@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -27,15 +27,6 @@ if TYPE_CHECKING:
 
 PAGE_WIDTH = 7.2  # [in] of a drawing over the whole page
 LEFT, RIGHT = 0.085, 0.985  # of the width, between which the axes lie
-LOOK: dict[Any, Any] = {
-    **palette.BASE_STYLE,
-    "svg.fonttype": "none",
-    "font.family": "sans-serif",
-    "xtick.labelsize": 8,
-    "ytick.labelsize": 8,
-    "lines.linewidth": 1.1,
-    "axes.formatter.useoffset": False,
-}
 BINS = 500  # of a time axis; each keeps its extremes
 FEW = 8  # segments; fewer are divided into their phases
 BAND, DETAIL = "band", "detail"  # classes of shapes, for the page's style and script
@@ -80,7 +71,7 @@ def sheet(height: float, width: float = PAGE_WIDTH) -> Iterator[tuple[Figure, Ax
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
 
-    with rc_context(LOOK):
+    with rc_context(palette.style_of("pages")):
         figure = Figure(figsize=(width, height))
         FigureCanvasSVG(figure)
         low, high = 0.28 / height, 1 - 0.06 / height

@@ -29,7 +29,7 @@ def _environment() -> Environment:
 
     environment = Environment(
         loader=FunctionLoader(_text),
-        autoescape=lambda name: not str(name).endswith(".txt"),
+        autoescape=lambda name: not str(name).endswith((".txt", ".md")),
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
