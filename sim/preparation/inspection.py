@@ -27,12 +27,12 @@ from sim.physics.standing import check_standing
 from sim.preparation.reach import immobile, lift_angle
 from sim.preparation.setup import Setup
 from sim.scenarios.scenario import Scenario
+from sim.templates import render
 from sim.world.changes import changes, overlaps
 from sim.world.model import World, build, load as load_world
 from sim.world.servos import joints_without_servo
 
 Facts = dict[str, Any]
-SHOWN_MOVE = 1e-3  # [m]; less of a move at the start is not shown
 
 
 def facts_of(setup: Setup) -> Facts:
@@ -137,55 +137,4 @@ def _facts(
 
 def describe(robot: Facts) -> str:
     """The facts in lines for a terminal."""
-    lift = robot["lift"]
-    margins = (f"S{name} {1e3 * m:.1f} mm" for name, m in robot["margins"].items())
-    down = robot["let_down"]
-    how = "let down onto" if down > 0 else "lifted out of"
-    moved = f"{'start':12}{how} the floor by {1e3 * abs(down):.1f} mm"
-    lines = [
-        f"{robot['name']}: {robot['description']}".rstrip(": "),
-        f"{'weight':12}{robot['mass']:.3f} kg, centre of mass "
-        f"{1e3 * robot['weight_height']:.1f} mm above the floor",
-        f"{'lift':12}{lift['angle']:.4g} rad raise the feet by "
-        f"{1e3 * lift['height']:.1f} mm; at most {1e3 * lift['highest']:.1f} mm",
-        *([moved] if abs(down) >= SHOWN_MOVE else []),
-        f"{'gait':12}{' '.join(robot['gait'])}, the groups of legs that stand in turn",
-        f"{'margins':12}{', '.join(margins)}, of the centre of mass inside these feet",
-        "",
-        f"{'leg':6}{'foot at x, y [m]':22}{'swing joint [rad]':34}lift joint [rad]",
-    ]
-    lines += [_leg_line(number, leg) for number, leg in robot["legs"].items()]
-    lines += ["", f"{'group':6}{'swings [rad]':22}legs"]
-    for name, group in robot["groups"].items():
-        legs = " ".join(map(str, group["legs"]))
-        lines.append(f"{name:6}{_range(group['swing']):22}{legs}")
-    if robot["fields"]:
-        first = next(iter(robot["fields"]))
-        named = "input {2} on S{0}".format(*first[1:].partition("_"))
-        head = f"{'field':18}forward, left [m/rad], yaw [rad/rad]"
-        lines += ["", f"{head}; {first} is {named}"]
-    for name, (forward, left, yaw) in robot["fields"].items():
-        lines.append(f"{name:18}{forward:z8.4f}{left:z9.4f}{yaw:z9.4f}")
-    units = {"theta": "radian"}
-    if costs := [
-        f"{n:.3g} for a {units.get(name, 'metre')} of {name}"
-        for name, n in robot["strokes"].items()
-    ]:
-        each = "each over a joint's whole range, recoveries included"
-        lines += ["", f"{'strokes':12}{', '.join(costs)}; {each}"]
-    for heading in ("changed", "lacks"):
-        for k, sentence in enumerate(robot[heading]):
-            lines.append(f"{'' if k else heading:12}{sentence}")
-    return "\n".join(lines)
-
-
-def _leg_line(number: str, leg: Facts) -> str:
-    x, y = leg["foot"]
-    pair = leg["swing"], leg["lift"]
-    swing, lift = (f"{of['joint']} {_range(of['range'])}" for of in pair)
-    held = "".join(f", {joint} held at {a:g}" for joint, a in leg["held"].items())
-    return f"{number:6}{f'{x:7.4f} {y:8.4f}':22}{swing:34}{lift}{held}"
-
-
-def _range(span: list[float]) -> str:
-    return f"{span[0]:.3g} to {span[1]:.3g}"
+    return render("robot.txt", **robot)

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from jinja2 import Environment, Template
 
 
-def render(name: str, **values: Any) -> str:
+def render(name: str, /, **values: Any) -> str:
     """The text of one of this folder's templates, filled in, its last line open."""
     return template(name).render(**values).removesuffix("\n")
 
