@@ -1,16 +1,21 @@
 """Dimensions of a robot whose legs have two joints, and the MJCF written from them.
 
 Body frame: x forward, y left, z up, origin at the height of the hips above the point
-where x = y = 0. SI units, radians. The file is meant to be read by people: it has axes
-instead of quaternions, and one default class for each kind of part.
+where x = y = 0. SI units, radians. `robot.xml.jinja` is meant to be read by people, as
+are the files: axes instead of quaternions, one default class for each kind of part.
 """
 
 from __future__ import annotations
 
-from collections.abc import Container, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from math import atan2, cos, hypot, radians, sin
-from xml.etree.ElementTree import Element, SubElement, indent, tostring
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from jinja2 import Template
 
 Point = tuple[float, float]
 
@@ -112,7 +117,6 @@ def legs_on_a_circle(
     return legs
 
 
-INK, ACCENT = "0.25 0.29 0.35 1", "0.95 0.55 0.15 1"
 COLOURS = (  # of the groups; pictures mark their footprints alike
     "0.16 0.44 0.75 1",
     "0.80 0.27 0.24 1",
@@ -121,123 +125,33 @@ COLOURS = (  # of the groups; pictures mark their footprints alike
     "0.44 0.56 0.69 1",
     "0.44 0.31 0.03 1",
 )
-CONTACT_DATA = "found force pos linvel"
-Value = str | float | tuple[float, ...] | None  # of an attribute
 
 
-def write_mjcf(shape: Morphology, groups: Sequence[Container[int]]) -> str:
+def write_mjcf(shape: Morphology, groups: Sequence[Collection[int]]) -> str:
     """MJCF of the robot on the floor of `scene.xml`, one colour a group of legs."""
-    root = Element("mujoco", model=shape.name)
-    _add(root, "include", file="scene.xml")
-    _defaults(root, shape)
-    torso = _torso(_add(root, "worldbody"), shape)
-    for number, leg in shape.legs.items():
-        of = next(i for i, group in enumerate(groups) if number in group)
-        _leg(torso, shape, number, leg, COLOURS[of % len(COLOURS)])
-    actuators, sensors = _add(root, "actuator"), _add(root, "sensor")
-    for number, leg in shape.legs.items():
-        for kind in ("swing", "lift"):
-            joint = f"{kind}_{number}"
-            span = {"ctrlrange": _span(shape, leg)} if kind == "swing" else {}
-            _add(actuators, "position", class_=kind, **span, name=joint, joint=joint)
-            _add(sensors, "jointpos", name=joint, joint=joint)
-    for n in shape.legs:
-        touching = {"geom1": "floor", "geom2": f"foot_{n}", "data": CONTACT_DATA}
-        _add(sensors, "contact", **touching, name=f"contact_foot_{n}")
-    for kind, name in (("framepos", "position"), ("framequat", "orientation")):
-        _add(sensors, kind, name=name, objtype="xbody", objname="torso")
-    _add(sensors, "subtreecom", name="center_of_mass", body="torso")
-    angles = tuple(angle for leg in shape.legs.values() for angle in (leg.turned, 0))
-    qpos = (0, 0, shape.hip_height, 1, 0, 0, 0, *angles)
-    ctrl = angles if any(angles) else None
-    _add(_add(root, "keyframe"), "key", name="start", qpos=qpos, ctrl=ctrl)
-    indent(root)
-    return tostring(root, encoding="unicode").replace(" />", "/>") + "\n"
-
-
-def _add(parent: Element, tag: str, **attributes: Value) -> Element:
-    """A part; numbers have twelve digits, without rounding noise. None is left out."""
-    element = SubElement(parent, tag)
-    for name, value in attributes.items():
-        if isinstance(value, str):
-            element.set(name.rstrip("_"), value)
-        elif value is not None:
-            numbers = value if isinstance(value, tuple) else (value,)
-            element.set(name.rstrip("_"), " ".join(f"{n + 0.0:.12g}" for n in numbers))
-    return element
-
-
-def _span(shape: Morphology, leg: Leg) -> Point | None:
-    """Limits of a swing joint that stands turned; the others have their class's."""
-    swing = shape.swing_range
-    return (leg.turned - swing, leg.turned + swing) if leg.turned else None
-
-
-def _defaults(root: Element, shape: Morphology) -> None:
-    """One class a kind of part, so that the body below shows only what differs."""
-    default = _add(_add(root, "default"), "default", class_="robot")
-    # Robots touch floor and walls, never themselves: legs clear each other in range.
-    _add(default, "geom", contype="0", conaffinity="1", rgba=INK)
-    swing, inertia = (-shape.swing_range, shape.swing_range), shape.armature
-    kp, kv = shape.stiffness, shape.damping
-    for kind, axis, span in (
-        ("swing", "0 0 1", swing),
-        ("lift", "0 -1 0", shape.lift_range),
-    ):
-        part = _add(default, "default", class_=kind)
-        _add(part, "joint", axis=axis, range=span, limited="true", armature=inertia)
-        _add(part, "position", kp=kp, kv=kv, ctrlrange=span)
-    for kind, form, radius in (
-        ("link", "capsule", shape.leg_radius),
-        ("foot", "sphere", shape.foot_radius),
-    ):
-        part = _add(default, "default", class_=kind)
-        _add(part, "geom", type=form, size=radius)
-
-
-def _torso(world: Element, shape: Morphology) -> Element:
-    """The body plate, a nose that shows where the front is, and the cameras."""
-    pos = (0, 0, shape.hip_height)
-    torso = _add(world, "body", name="torso", childclass="robot", pos=pos)
-    _add(torso, "freejoint", name="root")
-    length, width, thickness = shape.plate
-    raised = shape.hip_radius + thickness
-    plate = {"pos": (0, 0, raised), "size": shape.plate}
-    _add(torso, "geom", **plate, name="plate", type="box", mass=shape.body_mass)
-    nose: dict[str, Value] = {
-        "pos": (0.85 * length, 0, raised + 2 * thickness),
-        "size": (0.15 * length, 0.35 * width, thickness),
-        "rgba": ACCENT,
-        "conaffinity": "0",
+    colours = {
+        leg: COLOURS[number % len(COLOURS)]
+        for number, group in enumerate(groups)
+        for leg in group
     }
-    _add(torso, "geom", **nose, name="nose", type="box", mass="0")
+    angles = [angle for leg in shape.legs.values() for angle in (leg.turned, 0)]
     far = 4 * max(abs(c) for leg in shape.legs.values() for c in leg.foot)
-    for name, place, axes in (
-        ("top", (0, 0, 1), "0 -1 0 1 0 0"),
-        ("side", (0, -1, 0.3), "1 0 0 0 0.29 0.957"),
-        ("chase", (-0.7, -0.5, 0.6), "0.58 -0.81 0 0.46 0.33 0.82"),
-    ):
-        pose: dict[str, Value] = {"pos": tuple(far * p for p in place), "xyaxes": axes}
-        _add(torso, "camera", **pose, name=name, mode="trackcom", fovy="40")
-    return torso
+    return _template().render(shape=shape, colours=colours, angles=angles, far=far)
 
 
-def _leg(torso: Element, shape: Morphology, number: int, leg: Leg, colour: str) -> None:
-    """A leg along its own x axis: the swing axis vertical, the lift axis horizontal."""
-    cos, sin = leg.direction
-    axes, pos = (cos, sin, 0, -sin, cos, 0), (*leg.hip, 0)
-    body = _add(torso, "body", name=f"leg_{number}", pos=pos, xyaxes=axes)
-    _add(body, "joint", class_="swing", range=_span(shape, leg), name=f"swing_{number}")
-    _add(body, "joint", class_="lift", name=f"lift_{number}")
-    hip = f"hip_{number}"
-    _add(body, "geom", type="sphere", size=shape.hip_radius, mass="0", name=hip)
-    knee = (0.55 * leg.length, 0, 0.35 * shape.hip_height)
-    foot = (leg.length, 0, shape.foot_radius - shape.hip_height)
-    parts: tuple[tuple[str, dict[str, Value], float], ...] = (
-        ("femur", {"class_": "link", "fromto": (0, 0, 0, *knee)}, 0.45),
-        ("tibia", {"class_": "link", "fromto": (*knee, *foot)}, 0.35),
-        ("foot", {"class_": "foot", "pos": foot}, 0.2),
-    )
-    for name, own, share in parts:
-        mass = share * shape.leg_mass
-        _add(body, "geom", **own, rgba=colour, name=f"{name}_{number}", mass=mass)
+@cache
+def _template() -> Template:
+    from jinja2 import StrictUndefined, Template
+
+    text = Path(__file__).with_name("robot.xml.jinja").read_text()
+    template = Template(
+        text, trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True,
+        undefined=StrictUndefined,
+    )  # fmt: skip
+    template.globals["n"] = _numbers
+    return template
+
+
+def _numbers(*values: float) -> str:
+    """Numbers of an attribute with twelve digits, without rounding noise."""
+    return " ".join(f"{value + 0.0:.12g}" for value in values)

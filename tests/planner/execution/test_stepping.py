@@ -118,9 +118,9 @@ def test_weight_on_the_line_between_two_feet_is_refused(quadruped, tmp_path):
             hip=(leg.hip[0] - 0.015, leg.hip[1]),
             foot=(leg.foot[0] - 0.015, leg.foot[1]),
         )
-        for n, leg in SHAPES["quadruped"][0].legs.items()
+        for n, leg in SHAPES["quadruped"].legs.items()
     }
-    robot = _written(replace(SHAPES["quadruped"][0], legs=shifted), quadruped, tmp_path)
+    robot = _written(replace(SHAPES["quadruped"], legs=shifted), quadruped, tmp_path)
     assert StaticStability(robot).least_loads(["234"], [np.zeros(1)] * 4).max() < 1e-9
     described = equations(robot)
     extended = extend(described.system, described.elements)
