@@ -12,13 +12,13 @@ Example:
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
-from scripts.pages import parser_of, picture
+from scripts.pages import parser_of, picture, tabulate
 from sim import error_sources, load_scenario, simulate
 
 PATH = {"kind": "line", "goal": [0.03, 0.03, 0.314]}
@@ -28,24 +28,18 @@ VALUES: Mapping[str, tuple[str, Sequence[float]]] = {  # units, and what is trie
     "servo_stiffness": ("[N m/rad]", (50.0, 100.0, 300.0, 1000.0, 3000.0)),
     "friction": ("", (0.3, 0.6, 0.9, 1.2)),
 }
-HEADER = (
-    f"{'off [mm]':>12}{'of path':>10}{'yaw [mrad]':>12}{'slip [mm]':>11}"
-    f"{'predicted':>11}{'bounces':>9}{'end moved [mm]':>16}"
-)
+HEADER = "off [mm] | of path [%] | yaw [mrad] | slip [mm] | predicted | bounces"
 
 
-@dataclass(frozen=True, slots=True)
-class Result:
+class Result(NamedTuple):
     """One walk against its quasi-static prediction."""
 
     value: float
     pose: np.ndarray  # achieved at the end, (3,)
-    off: np.ndarray  # from the prediction, (3,)
     ratio: float  # position error over the length of the path
-    slip: float  # [m]
-    predicted_slip: float  # [m]
     bounces: int
     sources: Mapping[str, Sequence[float]]
+    cells: tuple[str, ...]  # of its row, under `HEADER`
 
 
 def judged(setting: str, value: float) -> Result:
@@ -56,34 +50,27 @@ def judged(setting: str, value: float) -> Result:
     scenario = load_scenario("line", changes)
     result = simulate(scenario).evaluation
     predicted, pose = result.predicted["quasi_static"], result.achieved.pose[-1]
-    off = pose - predicted.pose[-1]
-    return Result(
-        value=value,
-        pose=pose,
-        off=off,
-        ratio=float(np.hypot(*off[:2])) / scenario.path.length,
-        slip=float(result.achieved.slip[-1].sum()),
-        predicted_slip=float(predicted.slip[-1].sum()),
-        bounces=result.walk.recording.bounces,
-        sources=error_sources(result.walk, result.achieved.pose, predicted),
-    )
+    *way, yaw = 1e3 * (pose - predicted.pose[-1])
+    off, bounces = float(np.hypot(*way)), result.walk.recording.bounces
+    ratio = off / 1e3 / scenario.path.length
+    slips = (1e3 * slip[-1].sum() for slip in (result.achieved.slip, predicted.slip))
+    cells = f"{off:.3f}", f"{ratio:.3%}", f"{yaw:.3f}", *(f"{s:.1f}" for s in slips)
+    sources = error_sources(result.walk, result.achieved.pose, predicted)
+    return Result(value, pose, ratio, bounces, sources, (*cells, str(bounces)))
 
 
 def study(setting: str) -> list[Result]:
     """Print one table as it grows."""
-    print(f"{setting:>15}{HEADER}")
     results: list[Result] = []
-    for value in VALUES[setting][1]:
-        new = judged(setting, value)
-        moved = np.hypot(*(new.pose - results[-1].pose)[:2]) if results else np.nan
-        print(
-            f"{value:15g}{1e3 * np.hypot(*new.off[:2]):12.3f}{new.ratio:10.3%}"
-            f"{1e3 * new.off[2]:12.3f}{1e3 * new.slip:11.1f}"
-            f"{1e3 * new.predicted_slip:11.1f}{new.bounces:9d}{1e3 * moved:16.3f}",
-            flush=True,
-        )
-        results.append(new)
-    print()
+
+    def rows() -> Iterator[tuple[object, ...]]:
+        for value in VALUES[setting][1]:
+            new = judged(setting, value)
+            moved = np.hypot(*(new.pose - results[-1].pose)[:2]) if results else np.nan
+            results.append(new)
+            yield f"{value:g}", *new.cells, f"{1e3 * moved:.3f}"
+
+    tabulate(f"{setting} | {HEADER} | end moved [mm]", rows())
     return results
 
 

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import fields
 from pathlib import Path
-from typing import Any
 
 from models.description.card import (
     LIFT_TIME,
@@ -62,7 +61,7 @@ def parse_card(text: str, source: str) -> Card:
 
 def _card(table: Table) -> Card:
     gait = Table(table.get("gait"), "gait", KEYS["gait"])
-    board = Table(table.table("board").values, "board", KEYS["board"])
+    board, learnt = (table.table(key, KEYS[key]) for key in ("board", "learnt"))
     return Card(
         lift_angle=table.number("lift_angle"),
         legs={_leg_number(name): _leg(t) for name, t in _each(table, "leg")},
@@ -87,15 +86,10 @@ def _card(table: Table) -> Card:
         },
         board_clock=board.number("clock", BOARD_CLOCK),
         start=table.gains("start"),
-        learnt=_learnt(table) if "learnt" in table else (),
+        learnt=learnt.numbers("numbers") if "learnt" in table else (),
         fitted=table.table("fitted").values,
         description=table.text("description", ""),
     )
-
-
-def _learnt(table: Table) -> tuple[float, ...]:
-    """What feedback wrote of an earlier walk; it checks the numbers itself."""
-    return Table(table.get("learnt"), "learnt", KEYS["learnt"]).numbers("numbers")
 
 
 def _each(table: Table, key: str) -> Iterable[tuple[str, Table]]:
@@ -112,7 +106,8 @@ def _leg_number(name: str) -> int:
 def _group(table: Table) -> GroupCard:
     gains = table.gains("legs", required=True)
     legs = {_leg_number(leg): gain for leg, gain in gains.items()}
-    swing = _numbers(table, "swing", 2, "the lowest and the highest angle [rad]")
+    ends = "the lowest and the highest angle [rad]"
+    swing = table.numbers("swing", 2, ends) if "swing" in table else None
     return table.make(GroupCard, legs=legs, twist=_twist(table), swing=swing)
 
 
@@ -147,27 +142,13 @@ def _servo(servo: Table) -> Servo | None:
 
 
 def _joint_servo(table: Table) -> JointServo:
-    given: dict[str, object] = {
-        key: table.number(key)
-        for key in table.values
-        if key not in ("channel", "limits")
-    }
-    if "channel" in table:
-        given["channel"] = table.whole("channel")
-    if "limits" in table:
-        given["limits"] = table.numbers("limits")
+    other: dict[str, Callable[[str], object]]
+    other = {"channel": table.whole, "limits": table.numbers}
+    given = {key: other.get(key, table.number)(key) for key in table.values}
     return table.make(JointServo, **given)
 
 
 def _twist(table: Table) -> Twist | None:
-    return _numbers(table, "twist", 3, "forward, left [m/rad], yaw [rad/rad]")
-
-
-def _numbers(table: Table, key: str, count: int, meaning: str) -> Any:
-    """A tuple of so many numbers; None where the key is left out."""
-    if key not in table:
+    if "twist" not in table:
         return None
-    values = table.numbers(key)
-    if len(values) != count:
-        raise ValueError(f"{table.where}.{key} is {meaning}; got {list(values)}")
-    return values
+    return table.numbers("twist", 3, "forward, left [m/rad], yaw [rad/rad]")

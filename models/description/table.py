@@ -114,10 +114,13 @@ class Table:
         """A finite number as it is written: a whole one is an int."""
         return self._of("a number", key, _is_number)
 
-    def numbers(self, key: str) -> tuple[float, ...]:
-        """A list of finite numbers."""
-        found = self._of("a list of numbers", key, _list_of(_is_number))
-        return tuple(map(float, found))
+    def numbers(self, key: str, count: int = 0, what: str = "") -> Any:
+        """A list of finite numbers: any, or so many, and what they are."""
+        given = self._of("a list of numbers", key, _list_of(_is_number))
+        found = list(map(float, given))
+        if count and len(found) != count:
+            raise ValueError(f"{self._place(key)} is {what}; got {found}")
+        return tuple(found)
 
     def whole(self, key: str, otherwise: int | None = None) -> int:
         """A whole number."""
@@ -127,9 +130,9 @@ class Table:
         """A list."""
         return list(self._of("a list", key, _list_of(lambda item: True)))
 
-    def table(self, key: str) -> Table:
-        """A table of any keys; empty if left out."""
-        return Table(self.values.get(key, {}), self._place(key))
+    def table(self, key: str, known: Collection[str] = ()) -> Table:
+        """A table of known keys, or of any; empty if left out."""
+        return Table(self.values.get(key, {}), self._place(key), known)
 
     def gains(self, key: str, required: bool = False) -> dict[str, float]:
         """A table of numbers."""

@@ -187,7 +187,7 @@ def _decode(
 ) -> Problem:
     table = Table(content, known=REQUIRED + OPTIONAL)
     state, formula = _language(table, values)
-    system = _system(table, state, formula)
+    system, limits = _system(table, state, formula), table.table("limits")
     table.get("goal")
     return Problem(
         name=name,
@@ -198,7 +198,7 @@ def _decode(
         start=table.gains("start"),
         goal=table.gains("goal"),
         segments=table.whole("segments", 1),
-        limits={key: _span(table, key) for key in table.table("limits").values},
+        limits={k: limits.numbers(k, 2, "[lowest, highest]") for k in limits.values},
         # stances and words that do not exist are refused by `Problem`
         stance=cast(StanceRule, table.text("stance", "paper")),
         degree=table.whole("degree") if "degree" in table else None,
@@ -210,10 +210,7 @@ def _decode(
 
 def _flat(table: Table, formula: Reader) -> FlatOutputs:
     """Flat outputs, with their rates where the file gives these."""
-    given = table.table("flat")
-    for key in given.values:
-        if key not in FLAT:
-            raise ValueError(f"flat.{key} {unknown(key, FLAT)}")
+    given = table.table("flat", FLAT)
     for key in FLAT[:2]:
         given.get(key)  # refuses a table that lacks it
     values = {key: formula(f"flat.{key}", v) for key, v in given.values.items()}
@@ -281,10 +278,3 @@ def _gait(system: StratifiedSystem) -> tuple[str, ...]:
     """From the bottom stratum to each of its neighbours in turn, and back."""
     bottom = system.bottom
     return (bottom, *(s for near in system.neighbours[bottom] for s in (near, bottom)))
-
-
-def _span(table: Table, name: str) -> tuple[float, float]:
-    low_high = table.table("limits").numbers(name)
-    if len(low_high) != 2:
-        raise ValueError(f"limits.{name} must be [lowest, highest], got {low_high}")
-    return low_high[0], low_high[1]

@@ -26,7 +26,7 @@ from sim.errors import RenderError, UsageError
 from sim.export.calibration import card_with, draw, joint_servo, marks, sheet, strokes
 from sim.export.header import filled, write_header
 from sim.export.servo_table import servo_table
-from sim.export.source import write_ticks
+from sim.export.source import write_table
 from sim.folder import RunFolder, ensure_folder, whole
 from sim.templates import render
 
@@ -227,7 +227,7 @@ def _check(robot: Robot, kind: ServoKind, folder: RunFolder) -> Mapping[str, str
         name, title, how = "check.h", "Strokes to check", "its comment has the player"
         text = write_header(commands, table, title=title, name="check", file=name)
     else:
-        name, text = "check.csv", write_ticks(commands, table)
+        name, text = "check.csv", write_table(commands, table)
         numbers = ",".join(str(servo.channel) for servo in table.channels)
         how = f"play it with python {SCRIPT} MAKE PORT {name} {numbers}"
     folder.write_text(name, text)

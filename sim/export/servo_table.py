@@ -79,12 +79,13 @@ class ServoTable:
     def in_microseconds(self) -> ServoTable:
         """The same servos, commanded by the length of pulses instead of counts."""
         length, longest = 1e6 / (FRAME * self.frame_rate), round(1e6 / self.frame_rate)
-        counts = [
-            (s.center * length, s.counts_per_radian * length) for s in self.channels
-        ]
         channels = tuple(
-            replace(servo, center=center, counts_per_radian=per_radian)
-            for servo, (center, per_radian) in zip(self.channels, counts, strict=True)
+            replace(
+                servo,
+                center=servo.center * length,
+                counts_per_radian=servo.counts_per_radian * length,
+            )
+            for servo in self.channels
         )
         return replace(self, channels=channels, largest=longest - 1, microseconds=True)
 
@@ -158,10 +159,11 @@ def _require_counts(joints: Sequence[str], known: Mapping[str, JointServo]) -> N
         servo = known.get(joint, JointServo())
         if servo.counts_per_radian is None or servo.center is None:
             what = f"pulses for servos on a bus: that of joint {joint!r} takes none"
-            give = (
-                f"give center and counts_per_radian under [servo.{joint}] in the card"
+            remedy = (
+                "take --format dynamixel, or give center and counts_per_radian under "
+                f"[servo.{joint}] in the card"
             )
-            raise UsageError(what, "--format", f"take --format dynamixel, or {give}")
+            raise UsageError(what, "--format", remedy)
 
 
 def _channel(

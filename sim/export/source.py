@@ -10,7 +10,7 @@ from __future__ import annotations
 import csv
 import io
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -193,12 +193,10 @@ def write(
 ) -> None:
     """Write commands in a format."""
     table.require_range(commands)
-    if form == "csv":
-        text = write_angles(commands)
+    if form in ("csv", "dynamixel"):
+        text = write_table(commands, None if form == "csv" else table)
     elif form == "ros2":
         text = write_trajectory(commands)
-    elif form == "dynamixel":
-        text = write_ticks(commands, table)
     else:
         scenario, robot = source.run.summary.scenario, source.run.summary.robot
         title = f"{scenario} on {robot}, planned by stratawalk."
@@ -211,53 +209,37 @@ def write(
 def read(path: Path, form: str, table: ServoTable) -> ServoCommands:
     """Read what `write` wrote; another file is a ValueError."""
     text = read_file(path, LARGEST).decode()
-    if form == "csv":
-        return read_angles(text)
-    if form == "ros2":
-        return read_trajectory(text)
-    return (read_ticks if form == "dynamixel" else read_header)(text, table)
+    if form in ("csv", "dynamixel"):
+        return read_table(text, None if form == "csv" else table)
+    return read_trajectory(text) if form == "ros2" else read_header(text, table)
 
 
-def write_angles(commands: ServoCommands) -> str:
-    """A column `time` [s] and a column a joint [rad], every digit of every angle."""
-    return _table(commands.joints, commands.time, commands.angles)
+def write_table(commands: ServoCommands, table: ServoTable | None = None) -> str:
+    """A column `time` [s] and a column a joint: every digit of its angles [rad].
 
-
-def read_angles(text: str) -> ServoCommands:
-    """The commands of such a table."""
-    joints, rate, values = _read(text)
-    return ServoCommands(joints, rate, values)
-
-
-def write_ticks(commands: ServoCommands, table: ServoTable) -> str:
-    """A column `time` [s] and a column a joint, in the order of the channels."""
-    return _table(table.joints, commands.time, table.counts(commands))
-
-
-def read_ticks(text: str, table: ServoTable) -> ServoCommands:
-    """The commands of such a table for the same servos."""
-    joints, rate, counts = _read(text)
-    if joints != table.joints:
-        raise ValueError(f"columns {joints} for joints {table.joints}")
-    return table.commands(counts, rate)
-
-
-def _table(joints: Sequence[str], time: Array, values: Array) -> str:
+    With a table of servos they are ticks, in the order of the channels.
+    """
+    joints = commands.joints if table is None else table.joints
+    values = commands.angles if table is None else table.counts(commands)
     if "time" in joints:
         remedy = "give the joint another name, or take --format header or ros2"
         raise UsageError("a joint is called 'time', as the moments are", "csv", remedy)
-    rows = zip(time.tolist(), values.tolist(), strict=True)
+    rows = zip(commands.time.tolist(), values.tolist(), strict=True)
     return csv_text([("time", *joints), *((moment, *row) for moment, row in rows)])
 
 
-def _read(text: str) -> tuple[tuple[str, ...], float, Array]:
-    """Joints, rate and values of a table."""
+def read_table(text: str, table: ServoTable | None = None) -> ServoCommands:
+    """The commands of such a table, for the same servos."""
     (first, *joints), *rows = csv.reader(io.StringIO(text, newline=""))
     if first != "time" or len(rows) < 2:
         raise ValueError("needs a column time, and two commands at least")
     values = np.array(rows, dtype=float)
-    rate = (len(values) - 1) / (values[-1, 0] - values[0, 0])
-    return tuple(joints), float(rate), values[:, 1:]
+    rate = float((len(values) - 1) / (values[-1, 0] - values[0, 0]))
+    if table is None:
+        return ServoCommands(tuple(joints), rate, values[:, 1:])
+    if tuple(joints) != table.joints:
+        raise ValueError(f"columns {tuple(joints)} for joints {table.joints}")
+    return table.commands(values[:, 1:], rate)
 
 
 def write_trajectory(commands: ServoCommands) -> str:

@@ -112,17 +112,17 @@ def test_pandas_reads_every_name_as_it_is(form):
     for joints in batched(PLAIN, 12):
         commands, table = exported(form, joints)
         if form == "csv":
-            text = source.write_angles(commands)
-            assert source.read_angles(text).joints == tuple(joints)
+            text = source.write_table(commands)
+            assert source.read_table(text).joints == tuple(joints)
         else:
-            text = source.write_ticks(commands, table)
-            assert source.read_ticks(text, table).joints == tuple(joints)
+            text = source.write_table(commands, table)
+            assert source.read_table(text, table).joints == tuple(joints)
         assert list(pd.read_csv(io.StringIO(text)).columns) == ["time", *joints]
 
 
 def test_a_joint_called_as_the_column_of_moments_is_refused():
     with pytest.raises(UsageError, match="a joint is called 'time'"):
-        source.write_angles(commands_of(["time", "b"]))
+        source.write_table(commands_of(["time", "b"]))
 
 
 @pytest.mark.parametrize("loader", [yaml.SafeLoader, source.LOADER])

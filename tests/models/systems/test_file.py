@@ -99,7 +99,7 @@ def test_flat_outputs_are_formulas(read):
     wheel = read('flat = { along = "x", across = "y", slope = "tan(theta)" }' + WHEEL)
     form = chained_form(wheel.system, wheel.flat)
     assert rollout(form.plan(*wheel.states))[-1] == pytest.approx([0, 1, 0], abs=1e-12)
-    with pytest.raises(ProblemError, match=r"flat\.sideways is unknown"):
+    with pytest.raises(ProblemError, match=r"flat has no key 'sideways'"):
         read("flat = { sideways = 1 }" + WHEEL)
     with pytest.raises(ProblemError, match="across"):
         read('flat = { along = "x" }' + WHEEL)

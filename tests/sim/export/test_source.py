@@ -16,11 +16,9 @@ from sim.export.header import identifier, pack, read_header, unpack, write_heade
 from sim.export.servo_commands import ServoCommands
 from sim.export.servo_table import servo_table
 from sim.export.source import (
-    read_angles,
-    read_ticks,
+    read_table,
     read_trajectory,
-    write_angles,
-    write_ticks,
+    write_table,
     write_trajectory,
 )
 
@@ -51,9 +49,9 @@ def in_order(read):
 
 
 def test_angles_are_read_back_to_the_last_digit(commands):
-    text = write_angles(commands)
+    text = write_table(commands)
     assert text.splitlines()[0] == ",".join(("time", *JOINTS))
-    read = read_angles(text)
+    read = read_table(text)
     assert read.rate == pytest.approx(60.0, rel=1e-12)
     assert (read.angles == commands.angles).all()
 
@@ -154,12 +152,12 @@ def test_small_angles_stay_numbers_in_yaml():
 
 def test_ticks_are_4096_a_turn_about_2048_where_nothing_is_said(commands):
     servos = table(pwm=False, kind="ideal")
-    text = write_ticks(commands, servos)
+    text = write_table(commands, servos)
     values = np.genfromtxt(text.splitlines(), delimiter=",", names=True)
     assert values.dtype.names == ("time", *JOINTS)
     wanted = np.round(2048 + commands.angles[:, 3] * 4096 / (2 * np.pi))
     assert (values[JOINTS[3]] == wanted).all()
-    read = read_ticks(text, servos)
+    read = read_table(text, servos)
     assert np.abs(read.angles - commands.angles).max() <= np.pi / 4096 + 1e-12
 
 
@@ -204,7 +202,7 @@ def test_two_joints_on_one_channel_are_refused():
 @pytest.mark.parametrize("text", ["", "time\n0\n", "a,b\n1,2\n", "time,a\n0,x\n1,2"])
 def test_what_is_no_table_is_refused(text):
     with pytest.raises(ValueError, match="."):
-        read_angles(text)
+        read_table(text)
 
 
 def test_frames_come_as_often_as_commands_and_counts_are_parts_of_a_frame(commands):
