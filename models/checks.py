@@ -187,9 +187,9 @@ def _cannot_swing(kinematics: Kinematics) -> Iterator[tuple[str, str]]:
 
 
 def _cannot_lift(kinematics: Kinematics) -> Iterator[tuple[str, str]]:
-    robot, lifting = kinematics.robot, kinematics.lifting
+    robot = kinematics.robot
     wanted = robot.card.lift_angle
-    rises = lifting.rise(np.array([wanted, -wanted])).T
+    rises = kinematics.rise(np.array([wanted, -wanted])).T
     for leg, (rise, other_way) in zip(robot.legs, rises, strict=True):
         joint, sign = robot.card.legs[leg].lift, robot.card.legs[leg].raise_sign
         if rise < CLEAR < other_way:
@@ -203,9 +203,9 @@ def _cannot_lift(kinematics: Kinematics) -> Iterator[tuple[str, str]]:
                 f"lift_angle = {wanted}",
                 "lift by a joint that raises the foot, or by a larger angle",
             )
-    if wanted > lifting.farthest + 1e-9:
+    if wanted > kinematics.farthest_lift + 1e-9:
         yield (
             f"lift_angle = {wanted} is beyond the range of its lift joints or servos",
-            f"give at most {lifting.farthest:.4g} rad, which raises the feet by "
-            f"{lifting.highest:.4f} m",
+            f"give at most {kinematics.farthest_lift:.4g} rad, which raises the feet "
+            f"by {kinematics.highest:.4f} m",
         )

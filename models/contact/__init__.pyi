@@ -5,7 +5,6 @@ from .dissipation import (
 )
 from .kinematics import (
     UPRIGHT as UPRIGHT,
-    Lifting as Lifting,
     Stance as Stance,
     covering_core as covering_core,
     find_sole as find_sole,

@@ -118,6 +118,7 @@ def _lowest_core(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> Core:
 
 
 UPRIGHT = np.deg2rad(3)  # smaller tilts change lengths by less than 0.2 %
+TABLE = 1001  # angles up to the farthest; heights in between are interpolated
 _ANGLES = 2 * np.pi / 3 * np.arange(3)
 _FIT = np.linalg.inv(np.stack([np.ones(3), np.cos(_ANGLES), np.sin(_ANGLES)], axis=1))
 
@@ -182,10 +183,39 @@ class Kinematics:
         """Feet and centre of mass with all legs at angle 0."""
         return self.stance(np.zeros(len(self.robot.groups)))
 
+    @property
+    def farthest_lift(self) -> float:
+        """Largest angle that all lift joints and servos reach, up to half a turn."""
+        robot, ends = self.robot, [np.pi]
+        for joint, sign in zip(robot.lift_joints, robot.raise_sign, strict=True):
+            left = np.array(robot.span(joint)) - robot.standing_angle(joint)
+            ends.append(float((sign * left).max()))
+        return min(ends)
+
+    def rise(self, lift: Array) -> Array:
+        """How far feet leave the ground, all lifted by angles (...), (..., F) [m]."""
+        groups = len(self.robot.groups)
+        angles = np.repeat(np.append(lift, 0.0)[:, None], groups, axis=1)
+        height = self.stance(np.zeros_like(angles), angles).height
+        return (height[:-1] - height[-1]).reshape(*np.shape(lift), -1)
+
+    @property
+    def highest(self) -> float:
+        """Height that every foot reaches [m]."""
+        return float(self._rises[1].max())
+
+    def lift_to(self, height: float) -> float:
+        """Least angle at which every foot is that high [rad]; ValueError if none is."""
+        angles, rises = self._rises
+        if height > self.highest:
+            raise ValueError(f"{height} m is above the highest, {self.highest} m")
+        top = int(rises.argmax()) + 1
+        return float(np.interp(height, rises[:top], angles[:top]))
+
     @cached_property
-    def lifting(self) -> Lifting:
-        """How high the robot can raise its feet."""
-        return Lifting(self)
+    def _rises(self) -> tuple[Array, Array]:
+        angles = np.linspace(0, max(self.farthest_lift, 0.0), TABLE)
+        return angles, self.rise(angles).min(axis=1)
 
     @property
     def reach(self) -> float:
@@ -254,47 +284,3 @@ class Kinematics:
         swing, lift = (model.joint(name).dofadr[0] for name in (card.swing, card.lift))
         place = point - (*data.body(self.robot.root).xpos[:2], 0.0)
         return place, jacobian[:, swing], jacobian[:, lift]
-
-
-TABLE = 1001  # angles up to the farthest; heights in between are interpolated
-
-
-@dataclass(frozen=True)
-class Lifting:
-    """Lifts of all legs at once from the standing configuration, legs at swing 0."""
-
-    kinematics: Kinematics
-
-    @property
-    def farthest(self) -> float:
-        """Largest angle that all lift joints and servos reach, up to half a turn."""
-        robot, ends = self.kinematics.robot, [np.pi]
-        for joint, sign in zip(robot.lift_joints, robot.raise_sign, strict=True):
-            left = np.array(robot.span(joint)) - robot.standing_angle(joint)
-            ends.append(float((sign * left).max()))
-        return min(ends)
-
-    def rise(self, angle: Array) -> Array:
-        """How far each foot leaves the ground at angles (...), shape (..., F) [m]."""
-        groups = len(self.kinematics.robot.groups)
-        lift = np.repeat(np.append(angle, 0.0)[:, None], groups, axis=1)
-        height = self.kinematics.stance(np.zeros_like(lift), lift).height
-        return (height[:-1] - height[-1]).reshape(*np.shape(angle), -1)
-
-    @property
-    def highest(self) -> float:
-        """Height that every foot reaches [m]."""
-        return float(self._table[1].max())
-
-    def angle(self, height: float) -> float:
-        """Least angle at which every foot is that high [rad]; ValueError if none is."""
-        angles, rises = self._table
-        if height > self.highest:
-            raise ValueError(f"{height} m is above the highest, {self.highest} m")
-        top = int(rises.argmax()) + 1
-        return float(np.interp(height, rises[:top], angles[:top]))
-
-    @cached_property
-    def _table(self) -> tuple[Array, Array]:
-        angles = np.linspace(0, max(self.farthest, 0.0), TABLE)
-        return angles, self.rise(angles).min(axis=1)

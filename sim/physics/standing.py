@@ -65,7 +65,7 @@ def _check_standing(
         mujoco.mj_step(model, data, nstep=CHUNK)  # a large model is slow
     if any(warning.number for warning in data.warning):
         return
-    rise = float(kinematics.lifting.rise(np.array(lift_angle)).min())
+    rise = float(kinematics.rise(np.array(lift_angle)).min())
     sag = before - float(data.qpos[height])
     what = (
         f"its legs give way by {1e3 * sag:.1f} mm, and a lifted foot rises by "

@@ -90,7 +90,7 @@ def _facts(
     lacks: Sequence[str] = (),
 ) -> Facts:
     """A robot that stands; without equations it has neither fields nor strokes."""
-    robot, lifting, stance = kinematics.robot, kinematics.lifting, kinematics.standing
+    robot, stance = kinematics.robot, kinematics.standing
     legs = zip(robot.legs, robot.leg_cards, stance.feet, strict=True)
     spans = robot.swing_range
     groups = [(name, of, spans[name]) for name, of in robot.card.groups.items()]
@@ -101,8 +101,8 @@ def _facts(
         "weight_height": float(kinematics.center_of_mass[2] - stance.height.min()),
         "lift": {
             "angle": lift,
-            "height": float(lifting.rise(np.array(lift)).min()),
-            "highest": lifting.highest,
+            "height": float(kinematics.rise(np.array(lift)).min()),
+            "highest": kinematics.highest,
         },
         "legs": {
             str(leg): {

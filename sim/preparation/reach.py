@@ -104,13 +104,10 @@ def require_gait(scenario: Scenario, robot: Robot, described: Equations) -> None
 
 def lift_angle(kinematics: Kinematics, height: float | None) -> float:
     """Angle that raises every foot by a height [m]; the card's own if none is given."""
-    robot, lifting = kinematics.robot, kinematics.lifting
     if height is None:
-        return robot.card.lift_angle
-    if height > lifting.highest:
-        raise UsageError(
-            f"lift_height = {height} is out of reach of the lift joints",
-            str(robot),
-            f"give at most {lifting.highest:.4f} m",
-        )
-    return lifting.angle(height)
+        return kinematics.robot.card.lift_angle
+    if height > kinematics.highest:
+        what = f"lift_height = {height} is out of reach of the lift joints"
+        remedy = f"give at most {kinematics.highest:.4f} m"
+        raise UsageError(what, str(kinematics.robot), remedy)
+    return kinematics.lift_to(height)

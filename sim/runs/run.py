@@ -13,8 +13,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import mujoco
 import numpy as np
 
 from models import Card
@@ -39,9 +40,6 @@ from sim.scenarios import body_path, obstacles
 from sim.scenarios.file import anchor, scenario_from
 from sim.scenarios.predictions import PREDICTIONS, best
 from sim.scenarios.scenario import Scenario
-
-if TYPE_CHECKING:
-    import mujoco
 
 LIMITS = Limits(8, 2 * 10**9, "walk the scenario again")
 SURE = 2.146  # standard deviations of a normal point in the plane that hold 90 %

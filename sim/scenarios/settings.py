@@ -52,9 +52,7 @@ class Settings:
         "order of the flows: strokes centred, or as the paper prints them", None, "plan"
     )
     words: Literal["printed", "shortest", "symmetric"] = setting(
-        "flows of a segment: the paper's, of least stroke, or every second mirrored",
-        "printed",
-        "plan",
+        "flows of a segment: printed, shortest, or mirrored by turns", "printed", "plan"
     )
     degree: Annotated[int, Range(1, 8)] | None = setting(
         "degree of the nilpotent approximation, Sec. 6", None, "equations"
@@ -72,9 +70,7 @@ class Settings:
         "plan each segment from the pose that was reached", False, "plan"
     )
     learn: bool | None = setting(
-        "let replanning learn from earlier misses; if not given, imperfect robots do",
-        None,
-        "plan",
+        "learn from segments' misses; if not given, imperfect robots do", None, "plan"
     )
     sense: Literal["exact", "mocap", "tag", "gyro"] = setting(
         "sensors that tell replanning the pose: exactly, a motion-capture system, "
@@ -83,10 +79,7 @@ class Settings:
         "plan",
     )
     sense_position: Annotated[float, Range(0, 1)] | None = setting(
-        "standard deviation of a reading of x and of y; that of the kind if not given",
-        None,
-        "plan",
-        "m",
+        "standard deviation of a reading of x and of y", None, "plan", "m"
     )
     sense_yaw: Annotated[float, Range(0, 4)] | None = setting(
         "standard deviation of a reading of the yaw", None, "plan", "rad"
@@ -122,26 +115,19 @@ class Settings:
         "number of the random draw of what sensors tell", 0, "plan"
     )
     learnt: tuple[Coordinate, ...] | None = setting(
-        "what an earlier walk has learnt of the robot: its learnt.toml, or numbers",
-        None,
-        "plan",
+        "what an earlier walk has learnt: its learnt.toml, or numbers", None, "plan"
     )
     steer: Literal["ideal", "quasi-static", "identified", "compliant"] = setting(
         "prediction that is to reach the goal", "ideal", "plan"
     )
     optimise: Literal["none", "time", "strokes", "switches"] = setting(
-        "what is to be least in an optimised plan; none keeps the stratified plan",
-        "none",
-        "plan",
+        "what an optimised plan has least of; none: the stratified plan", "none", "plan"
     )
     path_tolerance: Annotated[float, Range(LEAST, 100)] | None = setting(
         "how far an optimised plan may depart from the path", None, "plan", "m"
     )
     yaw_tolerance: Annotated[float, Range(LEAST, 1e3)] | None = setting(
-        "how far it may depart from the path's yaw; pi leaves the yaw free",
-        None,
-        "plan",
-        "rad",
+        "how far it may depart from the yaw; pi leaves that free", None, "plan", "rad"
     )
     hops: Annotated[int, Range(0, 10_000)] = setting(
         "times that the search for an optimised plan starts again", 130, "plan"
@@ -182,9 +168,7 @@ class Settings:
         "angle of one count of a servo's command", None, ("plan", "drive"), "rad"
     )
     feed_forward: bool | Literal["predicted"] | None = setting(
-        "add to commands what loads will deflect; if not given, on soft servos only",
-        None,
-        "drive",
+        "add what loads will deflect; if not given, on soft servos only", None, "drive"
     )
     command_delay: Annotated[float, Range(0, 0.5)] = imperfection(
         "delay from a command to the servo's motion", 0.0, "drive", "s"
@@ -224,9 +208,7 @@ class Settings:
         "greatest height of bumps in the floor", 0.0, "world", "m"
     )
     imperfect: Literal["hobby"] | None = imperfection(
-        "set of imperfections to draw, which replace those that are given",
-        None,
-        ("world", "drive"),
+        "imperfections to draw in place of those given", None, ("world", "drive")
     )
     predictions: tuple[Predicted, ...] | None = setting(
         "predictions to make beside the ideal one; all if not given", None, "rows"
@@ -256,8 +238,7 @@ class Settings:
         "least stability margin that a plan may predict", None, ("plan", "refusal"), "m"
     )
     min_clearance: Annotated[float, Range(-1, 1)] = setting(
-        "least distance from obstacles that a plan may predict; -1 for any",
-        *(0.002, ("plan", "refusal"), "m"),
+        "least distance of plans to obstacles; -1: any", 0.002, ("plan", "refusal"), "m"
     )
     allow_unstable: bool = setting(
         "walk plans that are predicted to tip over or to collide", False, "refusal"

@@ -10,25 +10,25 @@ from sim.preparation.setup import prepare
 
 @pytest.fixture(scope="module")
 def lifting(hexapod):
-    return Kinematics(hexapod).lifting
+    return Kinematics(hexapod)
 
 
 def test_a_height_is_reached_by_every_foot(hexapod, lifting):
-    angle = lifting.angle(0.02)
+    angle = lifting.lift_to(0.02)
     height = Kinematics(hexapod).stance(np.zeros(2), np.full(2, angle)).height
     # a table of 0.6 mrad, whose chords are off by a leg's length * step^2 / 8 at most
     assert height.min() == pytest.approx(0.02, abs=1e-8)
 
 
 def test_the_joints_go_no_farther_than_their_range(lifting):
-    assert lifting.farthest == pytest.approx(0.6)
+    assert lifting.farthest_lift == pytest.approx(0.6)
     assert lifting.highest == lifting.rise(np.array(0.6)).min()
 
 
 def test_the_joint_that_goes_least_far_bounds_all_of_them(edited):
     joint = '<joint class="lift" name="lift_3"/>'
     robot = edited(joint, joint.replace("/>", ' range="-0.1 0.4"/>'))
-    assert Kinematics(robot).lifting.farthest == pytest.approx(0.4)
+    assert Kinematics(robot).farthest_lift == pytest.approx(0.4)
 
 
 def test_the_foot_that_rises_least_is_the_height_of_all(edited):
@@ -36,12 +36,12 @@ def test_the_foot_that_rises_least_is_the_height_of_all(edited):
     long = (
         '<geom class="foot" pos="0.105 0 -0.052" rgba="0.80 0.27 0.24 1" name="foot_3"'
     )
-    lifting = Kinematics(edited(long, long.replace("0.105", "0.080"))).lifting
+    lifting = Kinematics(edited(long, long.replace("0.105", "0.080")))
     rises = lifting.rise(np.array(0.6))
     assert rises.argmin() == 2
     assert np.ptp(rises) > 0.01
     assert lifting.highest == pytest.approx(rises[2], abs=1e-12)
-    angle = lifting.angle(0.02)
+    angle = lifting.lift_to(0.02)
     assert lifting.rise(np.array(angle))[2] == pytest.approx(0.02, abs=1e-8)
 
 
