@@ -7,7 +7,7 @@ unseen where more than half of what was expected is left open.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,7 +20,6 @@ MOST_ROUNDS = 15  # of Gauss and Newton at most
 SETTLED = 0.02  # of standard errors, and of chi square; less ends the search
 LENGTHS = np.array([1.0, 0.3, 0.05])  # of a step, of which the best is taken
 LEAST_NOISE = 1e-12
-FIRM = 1e-6  # share of its spread by which a parameter that is held may move
 
 Model = Callable[[Array], Array]
 """Predictions (V, N, P) for variants of the parameters (V, P, K)."""
@@ -83,14 +82,6 @@ class Estimates:
         return np.asarray(
             np.einsum("pkl,pl->pk", self.information, self.value) + pulled
         )
-
-    def held(self, parameters: Collection[int]) -> Estimates:
-        """The same measurements, with some parameters held where they were expected."""
-        firm = [
-            replace(p, spread=FIRM * p.spread) if k in parameters else p
-            for k, p in enumerate(self.parameters)
-        ]
-        return solved(firm, self.start, self.information, self.said, self.noise)
 
     def unseen(self, problem: int = 0) -> list[str]:
         """In words, what the measurements of a problem do not tell, or not apart."""

@@ -17,7 +17,7 @@ from sim.compliant.anatomy import Robots
 from sim.compliant.phases import Course, Phases
 from sim.compliant.prediction import course_along, phases_of
 from sim.fitting.estimate import Estimates, Parameter, estimate
-from sim.fitting.fitting import FITTED, Told, Value
+from sim.fitting.fitting import FITTED, Told
 from sim.fitting.servo_law import turned
 from sim.logs.log import Log
 from sim.motion.poses import relative
@@ -35,11 +35,10 @@ BODY = (
     Parameter(name="slope to the left", unit="rad", spread=0.03, step=2e-3),
     Parameter(name="stiffness", unit="N m/rad", spread=0.5, step=0.05, logarithm=True),
 )
-FRICTION, PLACE, SLOPE, STIFFNESS = [0], [2, 3], [4, 5], [6]  # told together or not
+SETTINGS = {"friction": [0], "payload": [1, 2, 3], "slope": [4, 5],
+            "servo_stiffness": [6]}  # told if any of their numbers is seen  # fmt: skip
 LEVEL = 1e-5  # [rad]; a slope from which on directions of phases matter
-ROUNDS = 4  # of the search, each of which walks eleven robots
-CARRIER = 0.05  # of the robot's mass; a payload whose place shows, and not its mass
-FIRST = 0.2  # [s] whose mean pose is where a walk begins, measured and predicted
+LIGHTEST = 0.03  # [kg]; a payload whose place shows, and not its mass
 MOMENTS = 400  # of a walk at most, at which its pose is fitted
 
 
@@ -48,31 +47,25 @@ class PoseFit:
     """What moved a body, and how well its last quarter is predicted."""
 
     found: Estimates  # one problem
-    held: Estimates  # of what is told, the others held as the robot was described
     before: float  # root mean square, yaw at the mean distance of the feet [m]
-    after: float  # [m]
-    mass: float  # of the robot without payload [kg]
+    after: float  # as `settings` have it [m]
 
     @property
     def settings(self) -> Told:
         """Settings that were seen, with their standard errors."""
-        value, error = self.held.value[0], self.held.error[0]
-        seen, told = self.found.seen[0], dict[str, tuple[Value, Value]]()
-        if seen[FRICTION].all():
-            told["friction"] = self.held.told(0)
-        if seen[PLACE].all():
-            mass, off = self.held.told(1) if seen[1] else (0.0, 0.0)
-            mass = mass or CARRIER * self.mass
-            places, errors = (value[PLACE] / mass).tolist(), error[PLACE] / mass
-            told["payload"] = [mass, *places, 0.0], [off, *errors.tolist(), 0.0]
-        if seen[SLOPE].all():
-            x, y = value[SLOPE].tolist()
-            steep, sideways = hypot(x, y), float(np.hypot(*error[SLOPE]))
-            errors = [sideways, sideways / max(steep, LEVEL)]
-            told["slope"] = [steep, atan2(y, x)], errors
-        if seen[STIFFNESS].all():
-            told["servo_stiffness"] = self.held.told(6)
-        return told
+        (value,), (error,) = self.found.value, self.found.error
+        mass, off = max(value[1], LIGHTEST), error[1]
+        places = value[2:4] / mass
+        errors = np.hypot(error[2:4], places * off) / mass
+        x, y = value[4:6].tolist()
+        steep, sideways = hypot(x, y), float(np.hypot(*error[4:6]))
+        told: Told = {
+            "friction": self.found.told(0),
+            "payload": ([mass, *places.tolist(), 0.0], [off, *errors.tolist(), 0.0]),
+            "slope": ([steep, atan2(y, x)], [sideways, sideways / max(steep, LEVEL)]),
+            "servo_stiffness": self.found.told(6),
+        }
+        return {name: told[name] for name in _told_of(self.found)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,6 +77,36 @@ class Walked:
     times: Array  # (T,) [s]
     pose: Array  # measured, in a frame of its own, (T, 3)
     arm: float  # mean distance of the feet from the body's centre [m]
+
+    @property
+    def expected(self) -> Array:
+        """`BODY` of the robot as it was described, (K,)."""
+        robot = self.phases.robots
+        friction, stiffness = robot.friction.mean(), np.log(robot.stiffness).mean()
+        return np.array([friction, *np.zeros(len(BODY) - 2), stiffness])
+
+    def follow(self, values: Array) -> Array:
+        """Predicted poses (V, T, 3) of robots with other values (V, K) of `BODY`.
+
+        Raises MeasurementError where one tips over.
+        """
+        lanes = _changed(self.phases.robots, values)
+        walks = Phases(self.phases.mechanics, lanes).follow_all(self.course)
+        return np.stack([walk.at(self.times).pose for walk in walks])
+
+    def missed(self, values: Array, rows: int) -> Array:
+        """How far off such predictions are, yaw at the arm, (V, 3, T) [m].
+
+        Nobody knows how the camera stands: it is moved so that some rows fit best.
+        """
+        x, y, _ = measured = _scaled(self.pose, self.arm)
+        one, none = np.ones_like(x), np.zeros_like(x)
+        moves = [[one, none, none], [none, one, none], [-y, x, self.arm * one]]
+        found = np.stack([_scaled(pose, self.arm) for pose in self.follow(values)])
+        off, frame = found - measured, np.array(moves)
+        fitted = frame[..., :rows].reshape(len(frame), -1)
+        best = off[..., :rows].reshape(len(off), -1) @ np.linalg.pinv(fitted)
+        return np.asarray(off - np.tensordot(best, frame, axes=1))
 
 
 def log_of(run: Run) -> Log:
@@ -127,44 +150,36 @@ def walked_of_log(setup: Setup, log: Log) -> Walked:
 
 
 def fit_poses(walked: Walked) -> PoseFit:
-    """Fit what moves the body of a walk to its poses.
+    """Fit what moves the body of a walk to its poses, all but the last quarter.
 
     Raises MeasurementError where the prediction tips over.
     """
-    phases, robot = walked.phases, walked.phases.robots
     rows = slice(None, None, max(len(walked.times) // MOMENTS, 1))
-    times = walked.times[rows]
-    first = times - times[0] < FIRST
-    measured = _scaled(walked.pose[rows], first, walked.arm)
-    cut = 3 * int(FITTED * len(times))
+    walked = replace(walked, times=walked.times[rows], pose=walked.pose[rows])
+    start, cut = walked.expected, int(FITTED * len(walked.pose))
 
-    def model(values: Array) -> Array:
-        lanes = _changed(robot, values.reshape(-1, len(BODY)))
-        walks = Phases(phases.mechanics, lanes).follow_all(walked.course)
-        found = [_scaled(walk.at(times).pose, first, walked.arm) for walk in walks]
-        return np.stack(found).reshape(*values.shape[:2], -1).swapaxes(1, 2)
+    def model(values: Array) -> Array:  # all rows of x, then of y, then of yaw
+        off = walked.missed(values[:, 0], cut)[..., :cut]
+        return off.reshape(len(off), -1, 1)
 
-    friction, stiffness = robot.friction.mean(), np.log(robot.stiffness).mean()
-    start = np.array([[friction, *np.zeros(len(BODY) - 2), stiffness]])
-    found = estimate(
-        lambda v: model(v)[:, :cut], measured[:cut, None], BODY, start, start, ROUNDS
-    )
-    seen = found.seen[0]
-    hidden = [g for g in (FRICTION, PLACE, SLOPE, STIFFNESS) if not seen[g].all()]
-    without = {k for group in hidden for k in group}
-    if PLACE in hidden or not seen[1]:
-        without.add(1)
-    held = found.held(without)
-    off = measured[cut:] - model(np.stack([start, held.value]))[:, cut:, 0]
-    before, after = np.sqrt((off**2).mean(axis=1) * 3).tolist()
-    return PoseFit(found, held, before, after, float(robot.mass[0]))
+    found = estimate(model, np.zeros((3 * cut, 1)), BODY, start[None], start[None])
+    told = start.copy()
+    for name in _told_of(found):
+        told[SETTINGS[name]] = found.value[0, SETTINGS[name]]
+    off = walked.missed(np.stack([start, told]), cut)[..., cut:]
+    before, after = np.sqrt((off**2).mean(axis=(1, 2)) * 3).tolist()
+    return PoseFit(found, before, after)
 
 
-def _scaled(pose: Array, first: Array, arm: float) -> Array:
-    """Poses (T, 3) from the mean of the first ones, one after the other, (3 T,) [m]."""
-    pose = np.column_stack([pose[:, :2], np.unwrap(pose[:, 2])])
-    x, y, yaw = relative(pose[first].mean(axis=0), pose).T
-    return np.stack([x, y, arm * np.unwrap(yaw)], axis=1).ravel()
+def _told_of(found: Estimates) -> list[str]:
+    """Settings of which anything was seen."""
+    return [name for name, group in SETTINGS.items() if found.seen[0, group].any()]
+
+
+def _scaled(pose: Array, arm: float) -> Array:
+    """Poses (T, 3) from the first one, yaw at the arm, (3, T) [m]."""
+    x, y, yaw = relative(pose[0], pose).T
+    return np.stack([x, y, arm * np.unwrap(yaw)])
 
 
 def _changed(robot: Robots, values: Array) -> Robots:
