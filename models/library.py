@@ -100,10 +100,11 @@ def _find(name: str) -> Path:
     if not name.endswith(".xml") and name not in shipped:
         file = [f"{name}.xml"] if Path(f"{name}.xml").is_file() else []
         near = file or get_close_matches(name, shipped, n=1)
+        own = name if name.endswith(".urdf") else "FILE.urdf"
         question = f"did you mean {near[0]!r}? " if near else ""
         raise UnknownRobotError(
             f"unknown robot: {name!r}; {question}shipped are {', '.join(shipped)}, "
-            "or give a .xml file"
+            f"or give a .xml file; for one of your own: stratawalk adopt {own}"
         )
     path = Path(name) if name.endswith(".xml") else FOLDER / f"{name}.xml"
     if not path.is_file():

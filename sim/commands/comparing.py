@@ -28,7 +28,10 @@ def compare(options: argparse.Namespace) -> None:
     """Print the comparison, and write its page."""
     if len(options.runs) < 2:
         what = "a single run is compared to nothing"
-        raise UsageError(what, options.runs[0], "give two or more, or use show")
+        newest = " ".join(map(str, reversed(cli.runs_in(Path(options.runs[0]))[:2])))
+        remedy = f"write stratawalk compare {newest}" if " " in newest else ""
+        remedy = remedy or "give two or more, or use show"
+        raise UsageError(what, options.runs[0], remedy)
     if options.out is not None and Path(options.out).suffix not in (".html", ".htm"):
         raise UsageError(
             "not a page's name", f"--out {options.out}", "give a name in .html"
@@ -78,7 +81,7 @@ def _text(table: Table) -> str:
 
 def sensitivities(options: argparse.Namespace) -> None:
     """Print the table, and draw the picture if one is asked for."""
-    folder = Path(options.run)
+    folder = cli.run_of(options)
     with blamed_on(folder):
         run = read_run(folder)
         found = rows(run)

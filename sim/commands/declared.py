@@ -23,6 +23,8 @@ SIZES = 1e-6, 1e9  # of numbers in options
 
 COMMANDS = tomllib.loads((files("sim.commands") / "commands.toml").read_text())
 """What is declared about each command, by its name, in the order of help."""
+GUESSES = tomllib.loads((files("sim.commands") / "guesses.toml").read_text())
+"""First guesses that a command line has not, and what is meant by them."""
 SHARED, EVERY, OF_SCENARIOS = (COMMANDS.pop(k) for k in ("shared", "every", "settings"))
 
 
@@ -51,7 +53,8 @@ class Command:
 def declare(parser: argparse.ArgumentParser, name: str) -> None:
     """Give the parser of a command its options, and what executes it."""
     declared = COMMANDS[name]
-    parser.description, parser.epilog = declared["help"], declared.get("epilog")
+    parser.description, example = declared["help"], declared.get("example")
+    parser.epilog = example and f"for example: {example}"
     if "settings" in declared:
         _add_options(parser, OF_SCENARIOS)
     for title, options in declared.items():

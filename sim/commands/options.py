@@ -70,15 +70,21 @@ def run_of(options: argparse.Namespace) -> Path:
     A folder of runs that has none is a UsageError.
     """
     folder = Path(options.run)
-    ended = list(folder.glob("*/summary.json"))
+    ended = runs_in(folder)
     holds_runs = folder == Path("runs") or ended
     if (folder / "scenario.toml").exists() or not holds_runs:
         return folder
     if not ended:
         raise UsageError("no run here", str(folder), "walk one: stratawalk run line")
-    run = max(ended, key=lambda file: file.stat().st_mtime).parent
-    notice(f"the newest run, {run}")
-    return run
+    notice(f"the newest run, {ended[0]}")
+    return ended[0]
+
+
+def runs_in(folder: Path) -> list[Path]:
+    """Finished runs in a folder, the newest first."""
+    ended = folder.glob("*/summary.json")
+    newest = sorted(ended, key=lambda file: file.stat().st_mtime, reverse=True)
+    return [file.parent for file in newest]
 
 
 def kept_in(folder: Path, out: str | None) -> str:
@@ -103,10 +109,24 @@ def elsewhere(out: str | None) -> list[str]:
     return ["--out", str(next(free))]
 
 
+def walker(name: str) -> str:
+    """The command that is given, for the robot of the scenario that was named.
+
+    It is empty where there is no scenario of this name.
+    """
+    from sim.scenarios.file import load_scenario, shipped_scenarios
+
+    if name not in shipped_scenarios():
+        return ""
+    return again().replace(f" {name}", f" {load_scenario(name).robot}")
+
+
 def robot_of(options: argparse.Namespace, name: str) -> Robot:
     """Load a robot, and say what it took from elsewhere."""
     from models import load
 
+    if meant := walker(name):
+        raise UsageError(f"{name!r} is a scenario", "ROBOT", f"try {meant}")
     robot = load(name, allow_external=options.allow_external)
     if robot.borrowed:
         notice(

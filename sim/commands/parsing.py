@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import NoReturn
 
 from planner.support import did_you_mean
-from sim.commands.declared import COMMANDS, declare
+from sim.commands.declared import COMMANDS, GUESSES, declare
 from sim.commands.options import report
 from sim.errors import UsageError
 
@@ -17,24 +17,6 @@ EPILOG = (
 )
 OPTIONS = ("-h", "--help", "--version")  # that need no command
 SAME = {"version": "--version", "-V": "--version"}
-HINTS = {  # first guesses that are no command, and what does it
-    "list": "stratawalk robots, stratawalk systems or stratawalk scenarios",
-    "robot": "stratawalk robots",
-    "init": "stratawalk adopt ROBOT.urdf",
-    "import": "stratawalk adopt ROBOT.urdf",
-    **dict.fromkeys(("walk", "simulate", "start", "demo"), "stratawalk run line"),
-    **dict.fromkeys(("video", "render", "record"), "stratawalk film"),
-    **dict.fromkeys(("report", "open", "results"), "stratawalk show"),
-    **dict.fromkeys(("install", "info", "status"), "stratawalk doctor"),
-    **dict.fromkeys(("plot", "draw"), "stratawalk show, or stratawalk figures"),
-    **dict.fromkeys(("explain", "man"), "stratawalk help run"),
-    **dict.fromkeys(("servo", "servos"), "stratawalk run line --set servo=mg996r"),
-    **dict.fromkeys(
-        ("bracket", "brackets", "teach", "notebook"),
-        "stratawalk plan unicycle, or stratawalk figures --only panels",
-    ),
-}
-CALLED = {"bracket": "panels"}  # other words for a choice
 PLACE = "the command line"
 
 
@@ -43,6 +25,9 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Raise instead of printing and exiting."""
+        lacking = message.removeprefix("the following arguments are required: ")
+        if lacking != message:
+            raise UsageError(f"{lacking} missing", self.prog, str(self.epilog))
         raise UsageError(message, PLACE, f"see {self.prog} --help")
 
     def parse_known_args(  # type: ignore[override]
@@ -50,7 +35,7 @@ class Parser(argparse.ArgumentParser):
         args: Sequence[str] | None = None,
         namespace: argparse.Namespace | None = None,
     ) -> tuple[argparse.Namespace, list[str]]:
-        """Parse, refuse unknown options, and leave other words to other parsers."""
+        """Parse, and refuse what no command line of this command has."""
         given, rest = super().parse_known_args(args, namespace)
         for begun in getattr(given, "set", ()):
             if "=[" in begun and "]" not in begun:
@@ -58,17 +43,28 @@ class Parser(argparse.ArgumentParser):
                 raise UsageError(f"{begun} is not closed", "--set", remedy)
         own = [name for action in self._actions for name in action.option_strings]
         for place, word in enumerate(rest):
-            if word.startswith("--"):
+            if word.startswith("-"):
                 if "--set" in own:
                     _name_setting(word, rest[place + 1 :], self.prog)
                 _refuse_option(word, self.prog, [o for o in own if o[:2] == "--"])
+            self._refuse_word(word)
         return given, rest
+
+    def _refuse_word(self, word: str) -> NoReturn:
+        """Say which option a word is a choice of, or how the command is written."""
+        called = GUESSES["choices"].get(word, word)
+        for action in self._actions:
+            if called in map(str, action.choices or ()):
+                meant = f"write {action.option_strings[-1]} {called}"
+                raise UsageError(f"{word!r} stands alone", self.prog, meant)
+        remedy = self.epilog or f"see {self.prog} --help"
+        raise UsageError(f"{word!r} is one word too many", self.prog, remedy)
 
     def _check_value(self, action: argparse.Action, value: object) -> None:
         """Refuse what is none of a few words, and say which was meant."""
         if action.choices is not None and value not in action.choices:
             named = action.option_strings or [action.dest.upper()]
-            called = CALLED.get(str(value), str(value))
+            called = GUESSES["choices"].get(str(value), str(value))
             near = did_you_mean(called, list(map(str, action.choices)))
             raise UsageError(f"{value!r} is not allowed", named[-1], near)
 
@@ -111,14 +107,15 @@ def as_meant(words: Sequence[str]) -> list[str]:
             raise UsageError(f"{word!r} is not UTF-8", PLACE, "rename it") from None
     first, *rest = words
     first = SAME.get(first, first)
-    if first in HINTS:
-        raise UsageError(f"unknown command {first!r}", PLACE, f"try {HINTS[first]}")
     if first == "help":
         return as_meant([*rest[:1], "--help"])
     if first.startswith("-") and first not in OPTIONS:
         _refuse_option(first, "stratawalk", OPTIONS[1:])
     if not first.startswith("-") and first not in COMMANDS:
-        near = did_you_mean(first, [*COMMANDS, "help"])
+        from sim.scenarios.file import command_for
+
+        meant = GUESSES["commands"].get(first) or command_for(first)
+        near = f"try {meant}" if meant else did_you_mean(first, [*COMMANDS, "help"])
         raise UsageError(f"unknown command {first!r}", PLACE, near)
     return [first, *rest]
 
@@ -129,6 +126,8 @@ def _name_setting(word: str, rest: Sequence[str], where: str) -> None:
 
     option, equals, value = word.partition("=")
     name = option.removeprefix("--").replace("-", "_")
+    if name in GUESSES["options"]:
+        return
     if name in SETTINGS or name == "goal":
         given = value if equals else " ".join(rest[:1]) or "VALUE"
         key = f"{name}={given}" if name in SETTINGS else "'path.goal=[0.1, 0, 0]'"
@@ -137,7 +136,9 @@ def _name_setting(word: str, rest: Sequence[str], where: str) -> None:
 
 def _refuse_option(word: str, where: str, known: Sequence[str]) -> NoReturn:
     option = word.partition("=")[0]
-    raise UsageError(f"unknown option {option}", where, did_you_mean(option, known))
+    meant = GUESSES["options"].get(option.lstrip("-"))
+    remedy = meant or did_you_mean(option, known)
+    raise UsageError(f"unknown option {option}", where, remedy)
 
 
 def completion(options: argparse.Namespace) -> None:

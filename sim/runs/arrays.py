@@ -8,6 +8,7 @@ import zipfile
 import zlib
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from glob import escape
 from math import prod
 from pathlib import Path
 
@@ -17,6 +18,7 @@ from models import ModelError
 from planner import Array
 from planner.support import open_file
 from sim.errors import UsageError
+from sim.scenarios.file import shipped_scenarios
 
 UNREADABLE = (
     OSError, KeyError, ValueError, IndexError, EOFError, ModelError, zipfile.BadZipFile,
@@ -113,8 +115,11 @@ def reading(folder: Path) -> Iterator[None]:
     remedy = "give the folder of a finished run"
     try:
         if not folder.is_dir():
-            if (Path("runs") / folder).is_dir():
-                remedy = f"did you mean {Path('runs') / folder}?"
+            named = sorted(Path("runs").glob(f"{escape(folder.name)}*"))
+            if folder.name in shipped_scenarios():
+                remedy = f"walk it first: stratawalk run {folder.name}"
+            if named:
+                remedy = f"did you mean {named[-1]}?"
             raise UsageError("no such run folder", str(folder), remedy)
         if not (folder / "scenario.toml").is_file():
             if any(folder.glob("sweep*.json")):

@@ -40,9 +40,11 @@ def read_table(path: Path) -> tuple[dict[str, list[object]], dict[str, Any]]:
     A few bytes may stand for any number of rows: what a file declares comes first.
     """
     if not path.is_file():
-        remedy = "give the table of a sweep"
+        remedy = "make one: stratawalk sweep plans --out sweeps/plans"
         if str(path) in shipped_studies():
             remedy = f"sweep it first: stratawalk sweep {path} --out sweeps/{path}"
+        elif any(path.parent.glob("*/scenario.toml")):
+            remedy = f"runs are compared: stratawalk compare {path.parent}"
         raise UsageError("no such table", str(path), remedy)
     try:
         declared = parquet.read_metadata(path)

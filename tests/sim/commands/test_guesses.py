@@ -12,7 +12,8 @@ import pytest
 
 from models.library import shipped_robots
 from sim.cli import main
-from sim.commands.declared import COMMANDS
+from sim.commands.declared import COMMANDS, GUESSES
+from sim.commands.parsing import parser
 from sim.scenarios.file import shipped_scenarios
 
 
@@ -118,6 +119,37 @@ def test_a_slip_of_the_finger_is_answered_with_what_was_meant(words, meant, caps
         ("run hexapod", "try stratawalk run line --robot hexapod"),
         ("run walk", "try stratawalk run line"),
         ("run forward", "try stratawalk run line --set 'path.goal=[0.1, 0, 0]'"),
+        ("plan hexapod", "try stratawalk plan line --robot hexapod"),
+        ("check line", "try stratawalk check hexapod"),
+        ("robots line", "try stratawalk robots hexapod"),
+        ("robots spider", "stratawalk adopt FILE.urdf"),
+        ("run line --robot spider.urdf", "stratawalk adopt spider.urdf"),
+        ("export --format arduino", "did you mean 'header'?"),
+        ("export line", "for example: stratawalk export line --robot hexapod-cl"),
+        ("compare line ellipse", "walk it first: stratawalk run line"),
+        ("show line", "did you mean runs/line-001?"),
+        ("compare runs", "write stratawalk compare runs/a runs/b"),
+        ("run line --speed 2", "--set swing_speed=1 for faster legs"),
+        ("run line --set speed=2", "did you mean 'swing_speed'?"),
+        ("study runs", "stratawalk compare runs"),
+        ("study gone", "make one: stratawalk sweep plans --out sweeps/plans"),
+        ("sensitivities", "walk one: stratawalk run line"),
+        ("plan line --physics", "use stratawalk run"),
+        ("line", "try stratawalk run line"),
+        ("unicycle", "try stratawalk plan unicycle"),
+        ("figures bracket", "write --only panels"),
+        ("figures --only 6", "did you mean 'line'?"),
+        ("run line ellipse", "one word too many: stratawalk run; for example"),
+        ("run line -o there", "write --out FOLDER"),
+        ("run --scenario line", "stratawalk run line"),
+        ("check --robot hexapod", "stratawalk check hexapod"),
+        ("run line --gui", "then stratawalk view"),
+        ("run line --headless", "write --no-video"),
+        ("run stairs", "stratawalk scenarios line > stairs.toml"),
+        ("plan parking", "try stratawalk plan car"),
+        ("reproduce", "try stratawalk figures"),
+        ("optimise line", "try stratawalk plan line --optimise time"),
+        ("play gait.csv", "stratawalk play hexapod examples/tripods.csv"),
     ],
 )
 def test_a_first_guess_is_answered_with_a_command_that_works(
@@ -129,11 +161,34 @@ def test_a_first_guess_is_answered_with_a_command_that_works(
     (tmp_path / "top.toml").write_text('scenario = "line"\nfriction = [0.1, 0.3]\n')
     (tmp_path / "fric").mkdir()
     (tmp_path / "fric" / "sweep.json").touch()
-    if "line-001" in words:
+    if "line-001" in words or words == "show line":
         (tmp_path / "runs" / "line-001").mkdir(parents=True)
+    if words in ("compare runs", "study runs"):
+        for age, name in enumerate("ba"):
+            run = tmp_path / "runs" / name
+            run.mkdir(parents=True)
+            for file in ("scenario.toml", "summary.json"):
+                (run / file).touch()
+                os.utime(run / file, (1e9 - age, 1e9 - age))
     assert main(words.split()) in (2, 3)
     (line,) = capsys.readouterr().err.splitlines()
     assert meant in line
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_the_example_of_a_command_is_one_that_it_takes(command):
+    """Commands that need words have one; what is redirected is the shell's."""
+    example = COMMANDS[command].get("example", f"stratawalk {command}")
+    words = example.partition(" >")[0].partition(" <")[0].split()
+    assert words[:2] == ["stratawalk", command]
+    parser().parse_args(words[1:])
+
+
+@pytest.mark.parametrize("hint", GUESSES["commands"].values())
+def test_what_is_offered_in_place_of_a_command_is_one(hint):
+    offered = re.findall(r"stratawalk (\w+)", hint)
+    assert offered
+    assert set(offered) <= {*COMMANDS, "help"}
 
 
 @pytest.mark.parametrize("words", ["version", "-V", "--version"])

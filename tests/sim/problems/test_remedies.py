@@ -3,6 +3,8 @@
 import json
 import math
 import re
+from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,10 +13,12 @@ from models.systems.catalogue import shipped_system
 from planner.errors import BoundError, PlannerError
 from planner.support.stopping import tick
 from sim import cli
+from sim.planning.open_loop import unaimed
 from sim.preparation.setup import prepare
 from sim.problems.problem import tried
 from sim.problems.scenario import miss_of
 from sim.problems.system import SystemProblem
+from sim.scenarios.file import load_scenario
 from tests import radial
 
 SHORT = ("--segments", "1", "--set", "path.goal=[0.02, 0.02, 0]")
@@ -135,3 +139,15 @@ def test_a_system_whose_search_fails_keeps_its_stratified_plan(monkeypatch):
     solved = problem.solve()
     assert solved.fallback == "no plan was found"
     assert solved.plan.flows == problem.stratified.flows
+
+
+@pytest.mark.parametrize("fields", ["paper", "lifted"])
+def test_a_plan_that_steering_does_not_bring_home_is_told_other_fields(fields):
+    """On fields of the paper standing feet drag; on lifted ones none has to."""
+    told = replace(load_scenario("line"), fields=fields, steer="compliant")
+    error = str(unaimed(SimpleNamespace(scenario=told), "the plan", 0.283))
+    assert "the plan still misses its end by 283 mm or mrad" in error
+    assert "steered on the compliant prediction" in error
+    assert ("--set fields=lifted, so that no foot has to" in error) == (
+        fields == "paper"
+    )
