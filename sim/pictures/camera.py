@@ -146,7 +146,7 @@ def _seen(walk: Run, clock: Clock) -> Array:
     """Points that the picture should hold: feet, knees and path, shape (N, 3)."""
     first, last = int(clock.rows[0]), int(clock.rows[-1])
     shown = slice(first, last + 1, max(1, (last - first) // ENOUGH))
-    feet = walk.contact_point[shown][walk.contact[shown]]
+    feet = np.concatenate(walk.contact_point[shown])
     whole = first == 0 and last == len(walk.contact) - 1
     path = walk.nominal if whole else walk.achieved[shown]
     heights = ((feet, 0.0), (feet, KNEES * walk.reach), (path[:, :2], 0.0))

@@ -25,10 +25,9 @@ from sim.pictures.ghost import Ghost, body_corners, ghost_of
 from sim.pictures.legend import text
 from sim.runs.run import Run
 
-AMBIENT, DIRECT = 0.74, 0.29  # light; on the floor they add up to 1: colours are true
 SUN = np.array([-0.25, 0.35, -1.0])  # direction of the direct light
 SUN_DISTANCE = 5.0  # [reach of the robot]
-BODY_ALPHA, PALER = 0.6, 0.5  # of the torso: the floor below and lines on it are seen
+PALER = 0.5  # of the torso, through which the floor and lines on it are seen
 LAYER = 0.0005  # thickness of a mark [reach of the robot]
 SHEETS = 64  # of a layer; shapes that overlap lie on different ones, or are lit twice
 SHADOW_MAP = 2048  # [texels]
@@ -49,11 +48,14 @@ class Look:
     shadows: bool
     samples: int  # of every pixel, against jagged edges
     slices: int  # of round shapes
+    ambient: float  # light from everywhere; the sun's adds up to 1: colours are true
+    gloss: float  # of the robot in the sun
+    body: float  # opacity of the torso
 
 
 LOOKS = {
-    "draft": Look(shadows=False, samples=0, slices=14),
-    "final": Look(shadows=True, samples=4, slices=28),
+    "draft": Look(False, samples=0, slices=14, ambient=0.74, gloss=0.1, body=0.6),
+    "final": Look(True, samples=4, slices=28, ambient=0.6, gloss=0.5, body=0.8),
 }
 
 
@@ -193,7 +195,7 @@ def _disc(number: str, colour: Colour) -> Array:
 def build(walk: Run, marks: Sequence[Mark], look: Look) -> mujoco.MjModel:
     """The model of a walk with its marks on the floor, one mesh each."""
     spec = mujoco.MjSpec.from_file(str(walk.model_file))
-    _light(spec)
+    _light(spec, look)
     floor = _lay_floor(spec)
     for layer, mark in enumerate(marks, start=1):
         _draw(spec, mark, floor + LAYER * walk.reach * layer, LAYER * walk.reach)
@@ -209,7 +211,7 @@ def build(walk: Run, marks: Sequence[Mark], look: Look) -> mujoco.MjModel:
         if (material := model.geom_matid[geom]) >= 0:
             model.geom_rgba[geom] = model.mat_rgba[material]
         model.geom_rgba[geom, :3] += PALER * (1 - model.geom_rgba[geom, :3])
-        model.geom_rgba[geom, 3] *= BODY_ALPHA
+        model.geom_rgba[geom, 3] *= look.body
     return model
 
 
@@ -224,13 +226,15 @@ def mesh_name(piece: str) -> str:
     return PREFIX + piece
 
 
-def _light(spec: mujoco.MjSpec) -> None:
+def _light(spec: mujoco.MjSpec, look: Look) -> None:
     """Even light from everywhere, and one sun for the shadows."""
     for light in list(spec.lights):
         spec.delete(light)
     head = spec.visual.headlight
-    head.ambient, head.diffuse, head.specular = [AMBIENT] * 3, [0.0] * 3, [0.0] * 3
-    sun = {"dir": SUN, "diffuse": [DIRECT] * 3, "specular": [0.1] * 3}
+    dark, level = [0.0] * 3, -SUN[2] / np.linalg.norm(SUN)  # of the sun on the floor
+    head.ambient, head.diffuse, head.specular = [look.ambient] * 3, dark, dark
+    direct = [(1 - look.ambient) / level] * 3
+    sun = {"dir": SUN, "diffuse": direct, "specular": [look.gloss] * 3}
     sun["type"] = mujoco.mjtLightType.mjLIGHT_DIRECTIONAL
     spec.worldbody.add_light(castshadow=True, **sun)
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import shapely
 
-from sim.pictures.camera import HEIGHT, WIDTH, camera
+from sim.pictures.camera import ACROSS, FREE, HEIGHT, WIDTH, View, camera
 from sim.pictures.captions import Captions
 from sim.pictures.clock import clock
 from sim.pictures.offscreen import RADIUS
@@ -39,6 +39,18 @@ def is_uncovered(walk):
 
 def test_no_foot_is_under_a_panel(walked):
     assert is_uncovered(read_run(walked).in_world()).all()
+
+
+def test_feet_in_the_air_throughout_a_stretch_are_in_its_picture(walked):
+    walk = read_run(walked).in_world()
+    begin = int(np.flatnonzero(~walk.contact[:, 0])[0])  # a foot in front
+    film = clock(walk.time, stretch=(walk.time[begin], walk.time[begin + 1]))
+    places = np.insert(walk.contact_point[begin], 2, 0.0, axis=1)
+    left, top, right, bottom = FREE
+    for view in (ACROSS, View(-90.0, -25.0, 100.0), View(0.0, -25.0, 100.0)):
+        x, y = camera(walk, film, view).pixels(film.scene.start, places).T
+        assert left - RADIUS < x.min() < x.max() < right + 2 * RADIUS < WIDTH
+        assert top - RADIUS < y.min() < y.max() < bottom + RADIUS
 
 
 @pytest.mark.full
