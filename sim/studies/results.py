@@ -10,7 +10,7 @@ estimated: with groups of neighbouring values, less what chance alone would give
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import prod
@@ -25,6 +25,7 @@ from sim.errors import UsageError
 from sim.scenarios.predictions import PREDICTIONS
 from sim.sweeps.folder import SIDE_BY_SIDE, SweepFolder
 from sim.sweeps.table import read_table
+from sim.templates import render
 
 LIMITS = (0.01, 0.03, 0.10)
 """Shares of the path within which predictions hold."""
@@ -191,26 +192,9 @@ class Findings:
     method: str  # what the shares are that settings explain, and how exact
 
     def __str__(self) -> str:
-        return "\n".join(self._lines())
-
-    def _lines(self) -> Iterator[str]:
-        name = PREDICTIONS[self.prediction].label
-        yield f"{self.points} points, farthest off the {name} prediction on the way"
-        yield ", ".join(f"{word} {count}" for word, count in self.verdicts.items())
-        for word, count in self.classes.items():
-            yield f"{word:14}{count:6} {count / max(self.points, 1):7.1%}"
-        for reason, count in self.reasons.items():
-            yield f"{FURTHER[-1]:14}{count:6}  {reason}"
-        yield ""
-        yield f"{'alone explains':24}{'of departures':>14}{'of lost walks':>15}"
         ranked = sorted(self.explained.items(), key=lambda of: -(of[1].departure or 0))
-        for key, share in ranked:
-            yield f"{key:24}{_percent(share.departure):>14}{_percent(share.falls):>15}"
-        yield self.method
-
-
-def _percent(share: float | None) -> str:
-    return "-" if share is None else f"{share:.0%}"
+        label = PREDICTIONS[self.prediction].label
+        return render("study.txt", found=self, label=label, ranked=ranked)
 
 
 def findings(results: Results) -> Findings:
