@@ -1,8 +1,4 @@
-"""Checks that a model and its card describe a robot that can walk.
-
-The parts that the card names must exist and form legs; the robot must stand upright at
-its start, and its legs must be able to swing and lift.
-"""
+"""Checks that a model and its card describe a robot that can walk."""
 
 from __future__ import annotations
 

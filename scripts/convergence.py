@@ -1,10 +1,7 @@
 """How far the physics departs from its quasi-static prediction, setting by setting.
 
-The study behind the defaults: a turning walk of six segments is repeated with one
-setting changed at a time. Timesteps show that the numbers have converged, speeds from
-when on the walk is no longer quasi-static, stiffness and friction what a real robot
-with softer servos or a smoother floor must expect. A last panel shows which phases the
-error comes from.
+A turning walk of six segments is repeated with one setting changed at a time; a last
+panel of the picture shows which phases the error comes from.
 
 Example:
     python -m scripts.convergence --plot docs/fidelity.png

@@ -3,9 +3,8 @@
     python -m scripts.hardware CHECKOUT FILE
 
 reads hips and lengths of the legs from the URDF in a checkout of
-github.com/chrismailer/hexapod-sim and writes 5 s of joint angles, 240 a second. Nothing
-of the checkout is executed. The gait's parameters are those of its makers' experiment;
-docs/hardware.md says what came of it.
+github.com/chrismailer/hexapod-sim and writes 5 s of joint angles, 240 a second, with
+the parameters of its makers' experiment; docs/hardware.md says what came of it.
 """
 
 from __future__ import annotations

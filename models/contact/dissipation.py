@@ -2,16 +2,14 @@
 
 A quasi-static body on dry friction moves so that it dissipates the least power (Murphey
 and Burdick 2006, the power dissipation method): its twist xi minimises the convex
-function sum_i N_i |v_i(xi)|. The function has an edge wherever a foot sticks, and its
-minimum may lie on an edge. Each foot is therefore tried in turn as the one that sticks
-and about which the body turns; the subgradient tells whether this is the minimum. Where
-every foot slides, Newton's method finds the minimum. The computation needs geometry and
-loads only and is vectorised over configurations.
+function sum_i N_i |v_i(xi)|, which has an edge wherever a foot sticks. Each foot is
+tried in turn as the one that sticks and about which the body turns; the subgradient
+tells whether this is the minimum. Where every foot slides, Newton's method finds it.
 
 Friction may differ from foot to foot and with the direction of sliding (Hatton, Salaman
 and Revzen 2025): a foot then dissipates N_i |D_i v_i|, and the symmetric D_i maps the
 unit disc to the ellipse of its friction. `viscous_twist` has drag in proportion to
-speed in its place, the law of slender swimmers.
+speed in its place.
 """
 
 from __future__ import annotations

@@ -1,15 +1,13 @@
 """Forward kinematics: feet, their velocities, lifts and the centre of mass of a robot.
 
 The body is held level in the pose of keyframe `start`, and angles are relative to that
-pose. A leg turns rigidly about two hinges. Every coordinate of its foot, of the foot's
-velocities and of its share of the centre of mass is therefore exactly a combination of
+pose. A leg turns rigidly about two hinges, so every coordinate of its foot, of the
+foot's velocities and of its share of the centre of mass is exactly a combination of
 (1, cos, sin) of one angle times (1, cos, sin) of the other: nine samples determine it.
 
-A foot stands on its sole, the lowest points of its geoms when the robot stands. A geom
-is a convex core widened by a radius: a sphere is a point, a capsule a segment, a box or
-a mesh the hull of its corners. Cylinders and ellipsoids have no such core, but can be
-covered by a capsule and a box. A round geom touches the floor vertically below a point
-that is fixed in the leg; one with edges or corners touches with these.
+A foot stands on its sole, the lowest points of its geoms when the robot stands. A round
+geom touches the floor vertically below a point that is fixed in the leg; one with edges
+or corners touches with these.
 """
 
 from __future__ import annotations

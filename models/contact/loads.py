@@ -1,8 +1,7 @@
 """Static loads of a robot's feet on level ground, and whether it stands on them.
 
-A foot that bears little loses contact at the slightest disturbance; a card may demand a
-least share of the weight on every foot on the ground. The paper's stance on three legs
-(Fig. 5, Sec. 6) has its bounds in closed form.
+A card may demand a least share of the weight on every foot on the ground. The paper's
+stance on three legs (Fig. 5, Sec. 6) has its bounds in closed form.
 """
 
 from __future__ import annotations

@@ -1,10 +1,9 @@
 """Body twist and loads on more than three feet, which statics alone does not determine.
 
 There the loads depend on the compliance of floor and servos, on friction, which bends
-the legs, and on sliding, which lifts the feet. For a given twist they are the solution
-of linear equations. It remains to balance the friction forces: three equations for the
-three components of the twist. Friction is smoothed near rest, and the smoothing is
-reduced step by step. For three feet `contact.dissipation` is exact and faster.
+the legs, and on sliding, which lifts the feet. For a given twist they solve linear
+equations; the twist is the one that balances friction, which is smoothed near rest less
+and less. For three feet `contact.dissipation` is exact and faster.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """Compilation of MJCF with errors of one line, its checks, and look-ups in the result.
 
 Names and numbers are checked in the text and after compilation: the compiler accepts
-most NaN and infinity and silently replaces some by defaults. It also takes text that is
-not UTF-8, which nothing can write down again.
+most NaN and infinity, replaces some by defaults, and takes text that is not UTF-8.
 """
 
 from __future__ import annotations

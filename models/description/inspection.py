@@ -1,10 +1,8 @@
 """Inspection of a user's model before it is read: size, numbers, and files it opens.
 
 A line of MJCF that copies parts often enough keeps MuJoCo busy for minutes and fills
-gigabytes, and the compilation cannot be interrupted. A separate process with limits
-therefore compiles the model first: this module, run as a program with the MJCF file and
-the limits as arguments. A model may name any file of this machine as a mesh, and a run
-copies the files of its model: those outside its folder are refused.
+gigabytes; a process with limits, this module run as a program, compiles it first. A run
+copies the files that its model names: those outside its folder are refused.
 """
 
 from __future__ import annotations

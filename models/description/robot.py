@@ -1,8 +1,4 @@
-"""A robot: an MJCF file, its card, and the places of the card's parts in the model.
-
-Shipped robots and those of users are treated alike; `checks` checks that file and card
-fit together.
-"""
+"""A robot: an MJCF file, its card, and the places of the card's parts in the model."""
 
 from __future__ import annotations
 

@@ -1,10 +1,9 @@
 """Equations of motion of a body that legs carry over the floor, eqs. (16)-(18).
 
-The configuration consists of the pose x, y, theta, a swing angle `phi_G` for each group
-of legs G that moves as one, and a foot height `height_G` for each. A field swings one
-or several groups: those in contact move the body, those in the air only their own
-angles. Further fields, numbered after the groups, raise the groups in the air in order,
-as g_{1,3} does in eq. (17). How far swings move the body is given.
+The configuration is the pose x, y, theta, a swing angle `phi_G` for each group of legs
+G that moves as one, and a foot height `height_G` for each. Groups in contact that swing
+move the body, those in the air only their own angles. Further fields, numbered after
+the groups, raise the groups in the air in order, as g_{1,3} does in eq. (17).
 """
 
 from __future__ import annotations

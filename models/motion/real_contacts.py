@@ -1,11 +1,9 @@
 """Fields of the real contacts: the body twist of each stroke as a function of the legs.
 
-A stroke's quasi-static twist changes with the angles of the legs, because a planted
-foot moves at right angles to its leg. Here every stroke is sampled at Chebyshev points
-of the joint range and kept as a polynomial: a symbolic field like any other, with exact
-derivatives. One or two groups of legs are covered as the whole rectangle of their
-angles; with more the polynomial runs along the stroke alone, and holds for strokes that
-are centred at angle 0.
+Every stroke's quasi-static twist is sampled at Chebyshev points of the joint range and
+kept as a polynomial: a symbolic field like any other, with exact derivatives. One or
+two groups of legs are covered as the whole rectangle of their angles; with more the
+polynomial runs along the stroke alone, and holds for strokes centred at angle 0.
 """
 
 from __future__ import annotations

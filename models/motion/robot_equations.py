@@ -1,10 +1,9 @@
 """A robot's equations of motion, eqs. (16)-(19), and where its swings can take it.
 
 Twists of swings are claims of the card or follow from contact kinematics. Field `gS_i`
-swings group i on stratum S. Where the card names patterns of groups that swing
-together, `gS_NAME` swings these instead of single groups that stand. Two swings move
-the body, each about its pivot or straight ahead, and their bracket moves it across,
-unless the pivots coincide or neither swing turns the body.
+swings group i on stratum S, and `gS_NAME` a pattern of groups that the card names. Two
+swings move the body, each about its pivot or straight ahead, and their bracket moves it
+across, unless the pivots coincide or neither swing turns the body.
 """
 
 from __future__ import annotations

@@ -1,10 +1,9 @@
-"""Motion of the body during strokes: twists integrated along the swings of loaded legs.
+"""Strokes: twists integrated along the swings of loaded legs.
 
-A stroke is a straight motion of the groups' angles during which at least one of the
-moving groups is in contact. Strokes follow one another on a clock on which each takes
-one unit, and are integrated together: first the yaw, then the position by quadrature.
-They are divided into panels, inside which the integrand is the polynomial through its
-values at the Gauss-Legendre nodes, so that integrals up to any moment are polynomials.
+A stroke is a straight motion of the groups' angles during which a moving group is in
+contact. Strokes follow one another on a clock on which each takes one unit: first the
+yaw is integrated, then the position. In the panels into which they are divided the
+integrand is the polynomial through its values at the Gauss-Legendre nodes.
 """
 
 from __future__ import annotations

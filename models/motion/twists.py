@@ -1,8 +1,7 @@
 """Body twists: the motion of a robot's body when its loaded legs swing.
 
-Every prediction is a `TwistModel`: the ideal one has the paper's constant stride and
-yaw gain, the quasi-static one follows from contact kinematics, and the identified one
-is made of polynomials fitted to measurements of each loaded field along its own swing.
+Every prediction is a `TwistModel`: ideal with constant twists, quasi-static by contact
+kinematics, or identified, of polynomials fitted to measurements of each loaded field.
 """
 
 from __future__ import annotations

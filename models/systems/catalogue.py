@@ -1,11 +1,9 @@
 """Systems shipped by name, and those of users: a file of formulas, or of Python.
 
-Shipped ones that have formulas are files beside this module, as users write them.
-
-A TOML file is data; its formulas are parsed and never executed. A field is a table of
-the rates of coordinates; coordinates that it does not name stand still. A Python file
-is executed like any program of the user. It must define a `Problem` under the name
-`problem`; the fields of its system may be functions.
+A TOML file is data, as are shipped ones beside this module; its formulas are parsed and
+never executed. A field is a table of the rates of coordinates; those that it does not
+name stand still. A Python file is executed like any program of the user. It must define
+a `Problem` under the name `problem`; the fields of its system may be functions.
 """
 
 from __future__ import annotations

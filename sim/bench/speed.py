@@ -1,8 +1,7 @@
 """Speed and memory, measured side by side in one run, with targets where they exist.
 
-One row each: times are medians, ratios come from interleaved pairs, which affect both
-sides alike if the machine changes its speed. A slow machine is not an error; nothing is
-judged here.
+Times are medians, ratios come from interleaved pairs, which affect both sides alike if
+the machine changes its speed. Nothing is judged here.
 """
 
 from __future__ import annotations

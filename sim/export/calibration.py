@@ -1,10 +1,8 @@
 """Where the servos of a robot are and how they stand, found one servo at a time.
 
 A servo is jogged; its owner says which joint moved, which way, and at which count it
-stood at two marked angles. From that follow channel, sign, centre and counts a radian.
-They are counts of the divider that the sketch gives its board; with a clock that was
-measured, boards divide by what suits it, and counts are longer or shorter. Pictures of
-the joints help; a process of its own draws them, as it does films.
+stood at two marked angles. From that follow channel, sign, centre and counts a radian,
+counts of the divider that the sketch gives its board, whatever clock was measured.
 """
 
 from __future__ import annotations

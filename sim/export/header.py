@@ -1,10 +1,9 @@
 """Walks as C headers for boards that give pulses, packed so that they fit.
 
-Most rows of pulses equal the one before or differ by a count in a few channels. A
-header therefore holds changes, byte after byte: for how many commands a row holds, a
-bit for every channel that changes (as many bytes as eight channels take), and for each
-of these its change from -127 to 127, or 128 and the pulse itself in two bytes. Before
-the first row all pulses are 0.
+A header holds changes, byte after byte: for how many commands a row holds, a bit for
+every channel that changes (as many bytes as eight channels take), and for each of these
+its change from -127 to 127, or 128 and the pulse itself in two bytes. Before the first
+row all pulses are 0.
 """
 
 from __future__ import annotations

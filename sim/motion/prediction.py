@@ -1,10 +1,9 @@
 """Predictions for a schedule: pose, slip and stability margin at any step.
 
-All predictions are the same computation with different twist models; the body stays
-level, and still during lift-offs and touchdowns. Least margins and clearances of a walk
-are taken over `inspections`: the end of every phase and steps before it in which legs
-swing by at most 0.02 rad, however often states are recorded. A smooth minimum is missed
-by at most the length of a leg times half of 0.01 squared, which is five micrometres.
+All are the same computation with different twist models; the body stays level, and
+still during lift-offs and touchdowns. Least margins and clearances of a walk are taken
+over `inspections`, between which legs swing by at most 0.02 rad: a smooth minimum is
+missed by the length of a leg times half of 0.01 squared, five micrometres, at most.
 
 The margin is the signed distance of the centre of mass, projected on the ground, to the
 boundary of the convex hull of the feet in contact: positive inside, and with fewer than

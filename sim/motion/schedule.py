@@ -1,8 +1,7 @@
 """Schedules: smooth joint commands for flows, with lift-offs, swings and touchdowns.
 
 Phases follow one another. A group that leaves the ground is raised before anything
-swings, and touches down before another group lifts off. A schedule consists of angles
-at steps; `sim.world` assigns them to actuators.
+swings, and touches down before another group lifts off.
 """
 
 from __future__ import annotations

@@ -1,13 +1,9 @@
 """Clearance of a robot's outline from obstacles, at samples of a motion and between.
 
-Every solid part of the robot, seen from above, is a convex core widened by a radius: a
-point for a sphere, a segment for a capsule, the hull of its corners for a box or a
-mesh, so that distances are exact. Cylinders and ellipsoids are covered by the capsule
-and the box around them.
-
-Between two samples no part comes closer than half the sum of its distances at both,
-less half the distance it moves. The samples of a motion therefore bound the clearance
-of the whole motion from below.
+Every solid part of the robot, seen from above, is a convex core widened by a radius, so
+that distances are exact; cylinders and ellipsoids are covered by the capsule and the
+box around them. Between two samples no part comes closer than half the sum of its
+distances at both, less half the distance it moves: samples bound the whole motion.
 """
 
 from __future__ import annotations

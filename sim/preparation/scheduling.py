@@ -1,8 +1,4 @@
-"""The flows of a plan as phases of a schedule, and walks that would take too long.
-
-Flows are joined where the field is the same, and recoveries take place during strokes
-where the scenario asks for it.
-"""
+"""The flows of a plan as phases of a schedule, and walks that would take too long."""
 
 from __future__ import annotations
 

@@ -1,7 +1,6 @@
 """What walks with common settings have in common, cached from one walk to the next.
 
-What a setting affects is declared with it; a thing is built anew where a setting that
-affects it differs. A test changes each setting and compares.
+A thing is built anew where a setting that affects it, as declared, differs.
 """
 
 from __future__ import annotations

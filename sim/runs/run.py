@@ -1,7 +1,6 @@
 """A finished run, as its report, its film, the viewer and an export see it.
 
-Small files are read at once. Arrays are read from the folder when they are asked for,
-or taken from the memory of the simulation that has just ended.
+Arrays are read when they are asked for, or taken from a simulation just ended.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Obstacles that a scenario can place on the floor: walls, boxes and polygons.
 
-All are upright prisms in the frame of the start pose. Each obstacle is divided into
-convex pieces once, so that the engine and the planner use the same solids.
+All are upright prisms in the frame of the start pose, in convex pieces, so that the
+engine and the planner use the same solids.
 """
 
 from __future__ import annotations

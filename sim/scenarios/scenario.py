@@ -1,8 +1,4 @@
-"""A scenario: which robot walks which nominal path, with which settings.
-
-The settings are declared in `scenarios.settings`. Reading and writing files is done by
-`scenarios.file`, running a scenario by `sim.simulate`.
-"""
+"""A scenario: which robot walks which nominal path, with which settings."""
 
 from __future__ import annotations
 

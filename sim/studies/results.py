@@ -1,10 +1,9 @@
 """A sweep's table, read back: how well each prediction holds, which settings matter.
 
 A point is judged by the farthest that the walk came from a prediction, as a share of
-its path. How much of what varies in the results a setting alone explains is the
-first-order index of Sobol's decomposition, the variance of the means of groups of equal
-values as a share of the whole variance. It is exact where the points fill a grid, else
-estimated: with groups of neighbouring values, less what chance alone would give.
+its path. What a setting alone explains is the first-order index of Sobol's
+decomposition: the variance of the means of groups of equal values over the whole one,
+exact where the points fill a grid, else estimated with groups of neighbouring values.
 """
 
 from __future__ import annotations

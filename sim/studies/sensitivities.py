@@ -1,8 +1,7 @@
 """What small changes of a robot and its floor do to a finished walk.
 
 The compliant prediction plays the run's own commands on robots changed a little, all of
-them side by side. A change is a share of its unit and its effect is scaled up, so that
-effects are slopes. The floor's contacts switch: slopes hold near the robot as it is.
+them side by side. Effects are slopes; contacts switch: they hold near the robot as is.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """Walks in the physics: open loop, or planned again from every pose that is reached.
 
-Planning from the pose makes good what a segment missed, one segment late. What is
-likely to be missed is allowed for beforehand, as `sim.feedback` has learnt it, for
-which all segments bring the legs back to angle 0, as otherwise only the last one does.
+What segments are likely to miss is allowed for beforehand, as `sim.feedback` has learnt
+it, for which each of them brings the legs back to angle 0, not only the last one.
 """
 
 from __future__ import annotations
