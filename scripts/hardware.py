@@ -9,7 +9,7 @@ the parameters of its makers' experiment; docs/hardware.md says what came of it.
 
 from __future__ import annotations
 
-import argparse
+import sys
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -66,13 +66,9 @@ def angles(place: np.ndarray, coxa: float, femur: float) -> np.ndarray:
     return np.stack([np.arctan2(y, x), np.arctan2(z, out) - below, knee], axis=1)
 
 
-def main(argv: list[str] | None = None) -> None:
-    """Write the gait."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("checkout", type=Path, help="of chrismailer/hexapod-sim")
-    parser.add_argument("file", type=Path, help="CSV to write")
-    options = parser.parse_args(argv)
-    coxa, femur, drop = lengths(options.checkout)
+def write_gait(checkout: Path, file: Path) -> None:
+    """Write the gait of the robot in a checkout to a CSV file."""
+    coxa, femur, drop = lengths(checkout)
     time = np.arange(round(DURATION * RATE) + 1) / RATE
     columns = {"time": time}
     for leg, phase in TURNS:
@@ -80,8 +76,8 @@ def main(argv: list[str] | None = None) -> None:
         names = (f"joint_{leg}_{number}" for number in (1, 2, 3))
         columns |= zip(names, angles(place, coxa, femur).T, strict=True)
     table, head = np.stack([*columns.values()], axis=1), ",".join(columns)
-    np.savetxt(options.file, table, "%.9g", ",", header=head, comments="")
+    np.savetxt(file, table, "%.9g", ",", header=head, comments="")
 
 
 if __name__ == "__main__":
-    main()
+    write_gait(*map(Path, sys.argv[1:]))

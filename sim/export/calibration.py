@@ -88,9 +88,7 @@ def card_with(text: str, servos: Mapping[str, JointServo], clock: float | None) 
         lines += ["", "[board]", f"clock = {clock:.0f}  # [Hz], measured"]
     for joint, servo in servos.items():
         found = ((name, getattr(servo, name)) for name in NUMBERS)
-        numbers = [
-            f"{name} = {value:.8g}" for name, value in found if value is not None
-        ]
+        numbers = [f"{name} = {x:.8g}" for name, x in found if x is not None]
         limits = [f"limits = {list(servo.limits)}"] if servo.limits else []
         lines += ["", f"[servo.{toml_key(joint)}]", *numbers, *limits]
     return "\n".join([*lines, ""])

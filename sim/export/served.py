@@ -68,7 +68,8 @@ class ServedWalk:
         """The last command once more, at the time of the next one."""
         row = self.time, self._last
         self._given += 1
-        self._steps = max(self._steps, self._step_of(self._given))
+        pace = self.rate * self.setup.limits.timestep
+        self._steps = max(self._steps, round(self._given / pace))
         return row
 
     def walk(self, segment: int) -> Iterator[Row]:
@@ -91,9 +92,6 @@ class ServedWalk:
 
     def _scheduler(self) -> Scheduler:
         return Scheduler(self.setup.limits, self._legs, self._steps)
-
-    def _step_of(self, command: int) -> int:
-        return round(command / (self.rate * self.setup.limits.timestep))
 
     def _rows(self, schedule: Schedule) -> Iterator[Row]:
         torques, practised = self._beforehand.leads(schedule)

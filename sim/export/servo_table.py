@@ -44,13 +44,11 @@ class Channel:
 
     def counts(self, angle: Array) -> Array:
         """Counts of angles, not rounded."""
-        turned = self.sign * self.counts_per_radian * (angle - self.offset)
-        return self.center + turned
+        return self.center + self.sign * self.counts_per_radian * (angle - self.offset)
 
     def angle(self, counts: Array) -> Array:
         """Angles of counts [rad]."""
-        turned = self.sign * (counts - self.center) / self.counts_per_radian
-        return self.offset + turned
+        return self.offset + self.sign * (counts - self.center) / self.counts_per_radian
 
 
 @dataclass(frozen=True, slots=True)

@@ -139,12 +139,11 @@ def check_distance(setup: Setup) -> None:
     travel = scenario.path.length / farthest if farthest else 0.0
     if travel <= MOST_TRAVEL:
         return
-    raise UsageError(
+    what = (
         f"a path of {scenario.path.length:g} m takes {travel:.2g} rad of strokes or "
-        f"more, and at most {MOST_TRAVEL:,} are planned",
-        f"scenario {scenario.name!r}",
-        "bring the goal nearer",
+        f"more, and at most {MOST_TRAVEL:,} are planned"
     )
+    raise UsageError(what, f"scenario {scenario.name!r}", "bring the goal nearer")
 
 
 def _row_size(setup: Setup) -> int:

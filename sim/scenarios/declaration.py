@@ -84,9 +84,8 @@ class Setting:
 
     def includes(self, form: object) -> bool:
         """Whether values may be of a type, such as `int`, `tuple`, or `Literal`."""
-        return any(
-            getattr(kind, "__origin__", kind) is form for kind in options(self.kind)
-        )
+        kinds = options(self.kind)
+        return any(getattr(kind, "__origin__", kind) is form for kind in kinds)
 
 
 def setting(

@@ -83,12 +83,9 @@ class Scenario(Settings):
     @property
     def as_assumed(self) -> Self:
         """The robot that commands allow for: its dead bands and backlash as assumed."""
-        band, slack = self.assumed_dead_band, self.assumed_backlash
-        return replace(
-            self.as_planned,
-            dead_band=self.dead_band if band is None else band,
-            backlash=slack,
-        )
+        given, slack = self.assumed_dead_band, self.assumed_backlash
+        band = self.dead_band if given is None else given
+        return replace(self.as_planned, dead_band=band, backlash=slack)
 
     @property
     def told(self) -> tuple[str, ...]:
@@ -113,9 +110,8 @@ class Scenario(Settings):
 
         Scenarios that share it have equal keys.
         """
-        own = (
-            item.name for item in fields(self) if item.metadata["affects"] & {*effects}
-        )
+        every = ((item.name, item.metadata["affects"]) for item in fields(self))
+        own = (name for name, affects in every if affects & {*effects})
         return tuple((name, repr(getattr(self, name))) for name in own)
 
 

@@ -261,12 +261,9 @@ class Settings:
             object.__setattr__(self, key, value)
         once = "steer" if self.steer == "compliant" else "optimise"
         if self.replan and (once == "steer" or self.optimise != "none"):
-            raise UsageError(
-                f"{once} = {getattr(self, once)!r} plans the whole path at once, but "
-                "replan plans it piece by piece",
-                where,
-                "leave one of them out",
-            )
+            whole = f"{once} = {getattr(self, once)!r} plans the whole path at once"
+            what = f"{whole}, but replan plans it piece by piece"
+            raise UsageError(what, where, "leave one of them out")
 
 
 _KINDS = get_type_hints(Settings, include_extras=True)

@@ -113,9 +113,8 @@ def _points(
         settings = {key: results.columns[key][i] for key in results.keys}
         own = run_folder(number)
         if (folder / own / "report.html").exists():
-            link = Markup('<a href="{}">report</a>').format(
-                f"{places}/{own}/report.html"
-            )
+            report = f"{places}/{own}/report.html"
+            link = Markup('<a href="{}">report</a>').format(report)
         else:
             fixed = {**results.asked.get("set", {}), **settings}
             words = (f"{key}={toml_value(value)}" for key, value in fixed.items())
@@ -142,9 +141,7 @@ def _draw_map(axes: Axes, results: Results, across: str, up: str) -> None:
     worst = {place: max(some, key=badness.__getitem__) for place, some in there.items()}
     note = ", the worst at each place" if len(results) > len(worst) else ""
     axes.set_title(f"farthest off the {results.label} prediction, % of the path{note}")
-    colours = {
-        place: OUTCOMES[results.classes[point]] for place, point in worst.items()
-    }
+    colours = {place: OUTCOMES[results.classes[i]] for place, i in worst.items()}
     if not all(_is_table(results.columns[key]) for key in (across, up)):
         size = float(np.clip(9000 / len(worst), 9, 260))
         fills = [colour.hex for colour in colours.values()]

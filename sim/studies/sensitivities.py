@@ -107,13 +107,9 @@ def changes_of(phases: Phases, legs: Sequence[int]) -> Iterator[Change]:
         radius[0, foot] += SHARE * MILLIMETRE
         yield Change(f"length of leg {leg}", "mm", replace(robot, radius=radius))
     mass = SHARE * NEWTON / size
-    center = robot.body_center * (robot.body_mass / (robot.body_mass + mass))[:, None]
-    laden = replace(
-        robot,
-        body_mass=robot.body_mass + mass,
-        body_center=center,
-        mass=robot.mass + mass,
-    )
+    body = robot.body_mass + mass
+    center = robot.body_center * (robot.body_mass / body)[:, None]
+    laden = replace(robot, body_mass=body, body_center=center, mass=robot.mass + mass)
     yield Change("payload in the body's middle", "N", laden)
     for axis, way in enumerate(("ahead", "to the left")):
         shift = np.zeros(3)
