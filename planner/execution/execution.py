@@ -14,7 +14,7 @@ many, or the elements alone are of degree 3 and more.
 from __future__ import annotations
 
 import gc
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from itertools import chain, pairwise
@@ -130,16 +130,19 @@ class Execution:
         n) between segments, the first and the one whose shape to end in included.
         """
         *choices, last_choice = CHOICES[self.coordinates]
+        spelled = extended.steering.speller(hall_coordinates, nominal[:-1])
+        asked = extended, hall_coordinates, nominal, spelled
         for orders in choices:
             with suppress(RangeError):
-                return self._flows(extended, hall_coordinates, nominal, orders)
-        return self._flows(extended, hall_coordinates, nominal, last_choice)
+                return self._flows(*asked, orders)
+        return self._flows(*asked, last_choice)
 
     def _flows(
         self,
         extended: ExtendedSystem,
         hall_coordinates: Array,
         nominal: Array,
+        spelled: Callable[[Wording], list[Word]],
         orders: Sequence[Wording],
     ) -> list[list[Flow]]:
         """Flows of words in one of the orders, a segment each."""
@@ -150,8 +153,13 @@ class Execution:
         start, shape_after = nominal[0], nominal[-1] if self.finish else None
         if steering.raised and len(orders) > 1:
             ways = [nearest_words(extended, hall_coordinates, nominal)]
+        elif steering.degree < SIGNED_FROM or self.coordinates != "fewest":
+            ways = [spelled(order) for order in orders]
         else:
-            ways = self._words(extended, hall_coordinates, nominal, orders)
+            signs = nearest_signs(extended, hall_coordinates, nominal, orders)
+            measured, units = steering.measured(hall_coordinates, nominal[:-1])
+            scales = units * signs
+            ways = [steering.scaled_words(measured, o, scales) for o in orders]
         words = list(zip(*ways, strict=True))
         if self.gait:
             ordered = regroup_in_gait(extended.grouper, words, self.gait, ends[0])
@@ -164,21 +172,6 @@ class Execution:
             ordered = stepped(extended.shape, ordered, start, shape_after, *rules)
         extended.shape.require_within(self.limits, chain(*ordered), start)
         return ordered
-
-    def _words(
-        self,
-        extended: ExtendedSystem,
-        hall_coordinates: Array,
-        nominal: Array,
-        orders: Sequence[Wording],
-    ) -> list[list[Word]]:
-        """Words of all segments in each of the orders, with signs that suit them."""
-        steering, starts = extended.steering, nominal[:-1]
-        if steering.degree < SIGNED_FROM or self.coordinates != "fewest":
-            return [steering.words(hall_coordinates, o, starts) for o in orders]
-        signs = nearest_signs(extended, hall_coordinates, nominal, orders)
-        measured, units = steering.measured(hall_coordinates, starts)
-        return [steering.scaled_words(measured, o, units * signs) for o in orders]
 
 
 def nearest_words(

@@ -24,8 +24,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import product
+from math import prod
 
 import numpy as np
 
@@ -146,12 +147,12 @@ def weights(elements: Sequence[Element], scales: Array) -> Array:
 
     The scales have shape (..., m), and there are s elements.
     """
-    columns = [
-        np.prod(scales[..., [i - 1 for i in _letters(e)]], axis=-1) for e in elements
-    ]
+    own = np.moveaxis(scales, -1, 0)
+    columns = [prod(own[i - 1] for i in _letters(e)) for e in elements]
     return np.stack(columns, axis=-1)
 
 
+@cache
 def _letters(element: Element) -> tuple[int, ...]:
     """Generators of an element, as often as they occur."""
     if isinstance(element, Bracket):

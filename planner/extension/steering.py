@@ -6,8 +6,9 @@ h_i v_j. They are realised as well, unless their fields vanish.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 from itertools import chain
 from numbers import Integral
 from typing import Literal
@@ -107,10 +108,25 @@ class Steering:
         """
         if at is None:
             return self.scaled_words(hall_coordinates, order)
-        hall_coordinates, scales = self.measured(hall_coordinates, at)
-        if self.rectangles and order in ("backward", "forward"):
-            scales = self.rectangles.scales(hall_coordinates, at, scales)
-        return self.scaled_words(hall_coordinates, order, scales)
+        return self.speller(hall_coordinates, at)(order)
+
+    def speller(
+        self, hall_coordinates: Array, at: Array
+    ) -> Callable[[Wording], list[Word]]:
+        """The words in any order, as `words` gives them; each is spelled only once."""
+        measured, units = self.measured(hall_coordinates, at)
+
+        @cache
+        def rectangular() -> Array:
+            return self.rectangles.scales(measured, at, units)
+
+        @cache
+        def spelled(order: Wording) -> list[Word]:
+            turned = self.rectangles and order in ("backward", "forward")
+            scales = rectangular() if turned else units
+            return self.scaled_words(measured, order, scales)
+
+        return spelled
 
     def scaled_words(
         self,

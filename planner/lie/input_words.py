@@ -158,19 +158,20 @@ def _spelled(
     Segments whose amounts have the same signs share their generators.
     """
     sizes = np.abs(amounts) ** (1 / np.array(algebra.degrees))
-    signs, sort = np.unique(np.sign(amounts), axis=0, return_inverse=True)
+    alike: dict[tuple[int, ...], list[int]] = {}
+    for segment, signs in enumerate(np.sign(amounts).astype(int).tolist()):
+        alike.setdefault(tuple(signs), []).append(segment)
     spelled: list[Spelling] = [((), [])] * len(amounts)
-    for k, sign in enumerate(signs.astype(int).tolist()):
-        generators, parts = _pattern(algebra, tuple(sign), back, turned)
-        segments = np.flatnonzero(sort.ravel() == k)
+    for signs, segments in alike.items():
+        generators, parts = _pattern(algebra, signs, back, turned)
         durations = sizes[segments] @ parts.T
         brief = np.flatnonzero((np.abs(durations) < ZERO_DURATION).any(axis=-1))
         pruned = [joined(generators, durations[i].tolist()) for i in brief]
         durations *= units[segments][:, np.array(generators, dtype=int) - 1]
-        for segment, row in zip(segments.tolist(), durations.tolist(), strict=True):
+        for segment, row in zip(segments, durations.tolist(), strict=True):
             spelled[segment] = generators, row
-        for segment, word in zip(segments[brief], pruned, strict=True):
-            spelled[segment] = scaled(word, units[segment])
+        for i, word in zip(brief, pruned, strict=True):
+            spelled[segments[i]] = scaled(word, units[segments[i]])
     return spelled
 
 

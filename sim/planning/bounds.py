@@ -21,6 +21,7 @@ from planner import (
     RangeError,
     ResolutionError,
     plan,
+    rollout,
     subdivide,
 )
 from planner.planning import Slack, grid
@@ -29,7 +30,13 @@ from sim.experiments.identification import twist_model
 from sim.motion.prediction import Predictor, inspections, stability_margin
 from sim.motion.schedule import Schedule
 from sim.obstacles.clearance import Surroundings, surroundings
-from sim.planning.open_loop import open_loop_plans, plan_segment, segment_target
+from sim.planning.open_loop import (
+    joined,
+    open_loop_plans,
+    plan_segment,
+    segment_target,
+    split,
+)
 from sim.preparation.scheduling import scheduled
 from sim.preparation.setup import Setup
 
@@ -41,9 +48,9 @@ FINEST_SEGMENT = 1e-3  # of the path; shorter segments would not be followed eit
 def within_bounds(setup: Setup) -> tuple[Setup, Plan | None]:
     """Divide the nominal path until the predicted motion keeps the scenario's bounds.
 
-    The open-loop plan along the divided path comes with it. A scenario that sets no
-    bounds is left as it is. The error of bounds that cannot be kept says where, and
-    what could be.
+    The plan along the divided path comes with it, unless it is replanned from states
+    that are not those of the prediction. A scenario that sets no bounds is left as it
+    is. The error of bounds that cannot be kept says where, and what could be.
     """
     scenario, bounds = setup.scenario, list[MarginBound | ClearanceBound]()
     if scenario.min_margin is not None:
@@ -58,8 +65,13 @@ def within_bounds(setup: Setup) -> tuple[Setup, Plan | None]:
         nonlocal planned
         tried = setup.recut(cuts)
         try:
-            for planned in [None] if scenario.replan else open_loop_plans(tried):
-                found = foreseen(tried, planned)
+            if scenario.replan:
+                stages = list(foresee(tried))
+                if scenario.steered_on == "ideal":
+                    planned = joined(tried, [s.plan for s in stages if s.plan])
+                return foreseen(tried, stages)
+            for planned in open_loop_plans(tried):
+                found = foreseen(tried, list(foresee(tried, planned)))
                 if any(slack.walking.min() < 0 for slack in found):
                     break
             return found
@@ -74,14 +86,12 @@ def within_bounds(setup: Setup) -> tuple[Setup, Plan | None]:
             unresolved[list(error.segments)] = 1.0
             return [_left_out("resolution", unresolved)]
 
-    def foreseen(tried: Setup, planned: Plan | None) -> list[Slack]:
-        stages = list(foresee(tried, planned))
-        beyond = np.zeros(tried.scenario.segments)
-        for stage in stages:
-            beyond[stage.schedule.phases[-1].segment] = 1 / stage.fraction - 1
+    def foreseen(tried: Setup, stages: list[ForeseenStretch]) -> list[Slack]:
+        beyond = np.array([1 / stage.fraction - 1 for stage in stages])
         if beyond.any():
             return [_left_out("joint range", beyond)]
-        return [bound.slack(tried, stages) for bound in bounds]
+        moving = [stage for stage in stages if stage.schedule.phases]
+        return [bound.slack(tried, moving) for bound in bounds]
 
     cuts = grid(scenario.path.curve, scenario.segments)
     return setup.recut(subdivide(cuts, slacks)), planned
@@ -117,6 +127,7 @@ class ForeseenStretch:
 
     predictor: Predictor
     fraction: float = 1.0  # of its way; below 1 if the joint range cuts it short
+    plan: Plan | None = None  # of the segment, where each is planned for itself
 
     @property
     def schedule(self) -> Schedule:
@@ -145,25 +156,27 @@ class ForeseenStretch:
 def foresee(setup: Setup, planned: Plan | None = None) -> Iterator[ForeseenStretch]:
     """The stretches of a walk in time order: its plan, or without one each segment.
 
-    Every segment is taken to end at its predicted pose, and one that the joint range
-    cuts short is taken to reach its target nevertheless.
+    Every segment is taken to end at its predicted pose, on ideal fields that of the
+    exact kinematics. One that the joint range cuts short is taken to reach its target.
     """
     twists = twist_model(setup, setup.scenario.steered_on)
     if planned is not None:
         schedule = scheduled(setup, planned.segments())
-        if schedule.phases:
-            yield ForeseenStretch(Predictor(schedule, twists, setup.kinematics))
+        yield ForeseenStretch(Predictor(schedule, twists, setup.kinematics))
         return
-    shape, pose = setup.at_rest, np.zeros(3)
+    legs, (pose, swing) = setup.at_rest, split(setup, setup.nominal()(0.0))
     for segment in range(setup.scenario.segments):
         tick()
-        step = plan_segment(setup, segment, pose, shape.swing)
-        schedule = scheduled(setup, step.plan.segments(), shape, segment)
+        step = plan_segment(setup, segment, pose, swing)
+        schedule = scheduled(setup, step.plan.segments(), legs, segment)
         predictor = Predictor(schedule, twists, setup.kinematics, tuple(pose))
-        shape = schedule.end
-        if schedule.phases:
-            pose = predictor(np.array([schedule.stop - schedule.start - 1])).pose[0]
-            yield ForeseenStretch(predictor, step.fraction)
+        yield ForeseenStretch(predictor, step.fraction, step.plan)
+        legs = schedule.end
+        if setup.scenario.steered_on == "ideal":
+            pose, swing = split(setup, rollout(step.plan)[-1])
+        elif schedule.phases:
+            last = np.array([schedule.stop - schedule.start - 1])
+            pose, swing = predictor.configurations(last)[0][0], legs.swing
         if step.fraction < 1:
             pose = segment_target(setup, segment)
 

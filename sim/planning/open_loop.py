@@ -68,12 +68,16 @@ def open_loop_plans(setup: Setup) -> Iterator[Plan]:
 
 def plan_replanned(setup: Setup) -> Plan:
     """All segments, each planned from the state that the exact kinematics reached."""
-    groups, state, plans = len(setup.robot.groups), setup.nominal()(0.0), list[Plan]()
+    state, plans = setup.nominal()(0.0), list[Plan]()
     for segment in range(setup.scenario.segments):
-        pose, swing = state[:3], tuple(state[3 : 3 + groups])
-        plans.append(plan_segment(setup, segment, pose, swing).plan)
+        plans.append(plan_segment(setup, segment, *split(setup, state)).plan)
         state = rollout(plans[-1])[-1]
-    return _joined(setup, plans)
+    return joined(setup, plans)
+
+
+def split(setup: Setup, state: Array) -> tuple[Array, tuple[float, ...]]:
+    """The pose (3,) of a configuration, and the angle of each group [rad]."""
+    return state[:3], tuple(state[3 : 3 + len(setup.robot.groups)])
 
 
 def plan_segment(
@@ -107,7 +111,7 @@ def _on_counts(setup: Setup) -> Plan:
         changes = [np.multiply(swings[f.field], f.duration) for f in own.flows]
         swing = tuple(np.sum([np.array(swing), *changes], axis=0).tolist())
         plans.append(own)
-    return _joined(setup, plans)
+    return joined(setup, plans)
 
 
 def segment_target(setup: Setup, segment: int) -> Array:
@@ -156,7 +160,7 @@ def _count(setup: Setup, group: int, angle: float) -> float:
     )
 
 
-def _joined(setup: Setup, plans: list[Plan]) -> Plan:
+def joined(setup: Setup, plans: list[Plan]) -> Plan:
     """Plans of consecutive segments as one."""
     nominal = setup.nominal()
     return replace(
