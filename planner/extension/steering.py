@@ -118,13 +118,14 @@ class Steering:
 
         @cache
         def rectangular() -> Array:
+            if self.rectangles is None:
+                return units
             return self.rectangles.scales(measured, at, units)
 
         @cache
         def spelled(order: Wording) -> list[Word]:
-            turned = self.rectangles and order in ("backward", "forward")
-            scales = rectangular() if turned else units
-            return self.scaled_words(measured, order, scales)
+            plain = order in ("backward", "forward")
+            return self.scaled_words(measured, order, rectangular() if plain else units)
 
         return spelled
 

@@ -11,6 +11,7 @@ more factor. If all brackets of degree k + 1 vanish, the plan is exact.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import chain
 
@@ -110,9 +111,12 @@ def convergence_order(
     if coordinates == "symmetric":
         cancelled = (k - d) % 2 == 0
     else:
-        cancelled = not any(
-            _misses(extended, longer, samples[places], leading, wording)
-            for wording in set(chain(*CHOICES[coordinates]))
+        cancelled = not _misses(
+            extended,
+            longer,
+            samples[places],
+            leading,
+            set(chain(*CHOICES[coordinates])),
         )
     return ConvergenceOrder(k, d, (k + 1 + cancelled - d) / d)
 
@@ -122,9 +126,9 @@ def _misses(
     longer: HallFields,
     samples: Array,
     leading: Array,
-    wording: Wording,
+    wordings: Iterable[Wording],
 ) -> bool:
-    """Whether words miss a motion of their next degree anywhere on the path."""
+    """Whether any words miss a motion of their next degree anywhere on the path."""
     steering, k = extended.steering, extended.steering.degree
     algebra = lie_algebra(longer.elements)
     beyond = [j for j, degree in enumerate(algebra.degrees) if degree == k + 1]
@@ -135,10 +139,13 @@ def _misses(
         [longer.names[j] for j in beyond],
     )
     coordinates = exponential(steering.hall.elements, leading)
-    words = steering.words(coordinates, wording, samples)
+    spelled = steering.speller(coordinates, samples)
+    words = [
+        (x, word) for w in wordings for x, word in zip(samples, spelled(w), strict=True)
+    ]
     size = len(longer.elements)
     unit = dict(zip(steering.hall.generators, np.eye(size), strict=False))
-    for x, word in zip(samples, words, strict=True):
+    for x, word in words:
         flowed = np.zeros(size)
         for name, duration in zip(word.fields, word.durations, strict=True):
             flowed = exponential(longer.elements, duration * unit[name], flowed)

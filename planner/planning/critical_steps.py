@@ -13,7 +13,7 @@ one fails, then closely wherever a notable part is left, and around all maxima o
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from itertools import zip_longest
 from math import inf
 
@@ -51,8 +51,7 @@ TRIED = 24  # directions around the best one
 NARROWER = 0.5  # times as far apart once none of them is shorter
 WIDEST, NARROWEST = 0.6, 4e-3  # how far apart they are
 
-Left = Callable[[Array], Array]
-"""The parts that plans leave of steps of given lengths, shape (steps,)."""
+Left = Callable[[Array], Array]  # parts left of steps of given lengths, (steps,)
 
 
 def critical_step(
@@ -90,18 +89,15 @@ def critical_step(
         >>> round(critical_step(car, at=(0, 0, 0), direction=(0, 1, 0)), 2)
         1.06
     """
-    if np.shape(at) != np.shape(direction):
-        raise ValueError(
-            f"direction of shape {np.shape(direction)} at a configuration of shape "
-            f"{np.shape(at)}; give both as states"
-        )
+    if (shape := np.shape(direction)) != np.shape(at):
+        where = f"a configuration of shape {np.shape(at)}; give both as states"
+        raise ValueError(f"direction of shape {shape} at {where}")
     steps = _Steps(system, at, execution)
     way = np.asarray(direction, dtype=float)
     size = float(steps.system.length(way))
     if not 0.0 < size < inf:
-        raise ValueError(
-            f"the direction has length {size:g}; give one that is finite and not zero"
-        )
+        wanted = "give one that is finite and not zero"
+        raise ValueError(f"the direction has length {size:g}; {wanted}")
     ray = way / size
     sample(line(steps.start, steps.start + ray), steps.system, 1, 2)  # on the bottom
     return steps.critical(ray, min(within, LONGEST))
@@ -186,20 +182,18 @@ class _Steps:
         """The critical step along a ray of length one, up to a longest step."""
         if longest <= SHORTEST:  # shorter than what rounding leaves
             return inf
-        left = self.along(ray)
+        left: Left = lambda lengths: self.left(lengths[:, None] * ray)  # noqa: E731
         steps, parts = _until_failure(left, _scale(SHORTEST, longest, COARSE), FEW)
         failed = parts[-1] > CONTRACTED
         if len(steps) == 1 and failed:
             return 0.0
         if (parts[:-1] < EXACT).all() and (not failed or self._is_exact):
             return inf
+        notable = np.maximum(parts[:-1], parts[1:]) > NOTABLE
         close = [
-            _scale(low, high, FINE)[1:] if max(pair) > NOTABLE else np.array([high])
-            for low, high, pair in zip(
-                steps[:-1], steps[1:], zip(parts[:-1], parts[1:], strict=True),
-                strict=True,
-            )
-        ]  # fmt: skip
+            _scale(low, high, FINE)[1:] if fine else np.array([high])
+            for low, high, fine in zip(steps, steps[1:], notable, strict=False)
+        ]
         steps, parts = _until_failure(left, np.concatenate([steps[:1], *close]))
         inner = parts[1:-1]
         high = (inner >= NEARLY) & (inner >= parts[:-2]) & (inner >= parts[2:])
@@ -223,21 +217,16 @@ class _Steps:
     def failing(self, ray: Array, low: float, top: float) -> tuple[float, float]:
         """The first of steps up to one that fails, and the last one before it."""
         between = np.geomspace(low, top, BETWEEN + 2)
-        fails = self.along(ray)(between[1:-1]) > CONTRACTED
+        fails = self.left(between[1:-1, None] * ray) > CONTRACTED
         first = int(np.append(fails, True).argmax())
         return float(between[first]), float(between[first + 1])
-
-    def along(self, ray: Array) -> Left:
-        """What plans leave of steps along a ray, by their lengths."""
-        return lambda lengths: self.left(lengths[:, None] * ray)
 
     @property
     def _is_exact(self) -> bool:
         """Whether no bracket beyond those of the words is left."""
-        hall, degree = self.extended.steering.hall, self.extended.steering.degree
-        return len(hall_fields(self.system, hall.generators, degree + 1).elements) == (
-            len(hall.elements)
-        )
+        hall, beyond = self.extended.steering.hall, self.extended.steering.degree + 1
+        longer = hall_fields(self.system, hall.generators, beyond)
+        return len(longer.elements) == len(hall.elements)
 
     def left(self, steps: Array) -> Array:
         """Part that a plan leaves of each step (steps, n); infinite where none is."""
@@ -261,24 +250,34 @@ class _Steps:
         return np.where(np.isfinite(parts), parts, inf)
 
     def _ends(self, words: list[Word]) -> Array:
-        """Where words end, all from the start, shape (words, n); nan if nowhere."""
-        ends = np.repeat(self.start[None], len(words), axis=0)
-        for letters in zip_longest(*(zip(*word, strict=True) for word in words)):
-            along: dict[str, dict[int, float]] = defaultdict(dict)
-            for i, letter in enumerate(letters):
-                if letter is not None:
-                    along[letter[0]][i] = letter[1]
-            for name, durations in along.items():
-                field, those = self.system.compiled(name), list(durations)
-                begin, times = ends[those], np.array(list(durations.values()))
-                steady = field.constant[:, 0]
-                if field.is_constant:
-                    ends[those] = begin + times[:, None] * steady
-                else:
-                    ends[those] = follow_all(
-                        field.velocity, begin, times, steady, FLOW_NODES
-                    )
+        """Where words end, all from the start, shape (words, n); nan if nowhere.
+
+        All that are about to follow one field of a changing velocity do so at once.
+        """
+        ends, alike = np.repeat(self.start[None], len(words), axis=0), defaultdict(list)
+        for i, word in enumerate(words):
+            alike[word.fields].append(i)
+        for stops in zip_longest(
+            *(self._stops(ends, words, i) for i in alike.values())
+        ):
+            for name in {stop[0] for stop in stops if stop}:
+                parts = [stop[1:] for stop in stops if stop and stop[0] == name]
+                rows, times = map(np.concatenate, zip(*parts, strict=True))
+                velocity = self.system.compiled(name).velocity
+                ends[rows] = follow_all(velocity, ends[rows], times, FLOW_NODES)
         return ends
+
+    def _stops(
+        self, ends: Array, words: list[Word], rows: list[int]
+    ) -> Iterator[tuple[str, list[int], Array]]:
+        """Flows of words of the same fields; where velocities are constant, follow."""
+        durations = np.array([words[i].durations for i in rows])
+        for name, times in zip(words[rows[0]].fields, durations.T, strict=True):
+            field = self.system.compiled(name)
+            if field.is_constant:
+                ends[rows] += times[:, None] * field.constant[:, 0]
+            else:
+                yield name, rows, times
 
 
 def _scale(low: float, high: float, ratio: float) -> Array:

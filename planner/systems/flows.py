@@ -139,10 +139,11 @@ def flow_map(
         array([1., 2., 2.])
     """
     field, start = system.compiled(name), np.asarray(x, dtype=float)
-    steady = field.constant[:, 0]
-    if field.is_constant and np.isfinite(end := start + duration * steady).all():
-        return end
-    return follow(field.velocity, start, duration, steady)
+    if field.is_constant:
+        end = start + duration * field.constant[:, 0]
+        if np.isfinite(end).all():
+            return end
+    return follow(field.velocity, start, duration)
 
 
 @dataclass(frozen=True, eq=False)

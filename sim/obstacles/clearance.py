@@ -51,18 +51,19 @@ class Solids:
 
     def cores(self, qpos: Array) -> list[Array]:
         """Core of each part on the ground plane, shape (T, k, 2) [m]."""
-        geoms = [part.geom for part in self.parts]
-        places = np.empty((len(qpos), len(geoms), 3))
-        turns = np.empty((len(qpos), len(geoms), 9))
         data = mujoco.MjData(self.model)
+        now, place, turn = data.qpos, data.geom_xpos, data.geom_xmat
+        places = np.empty((len(qpos), *place.shape))
+        turns = np.empty((len(qpos), *turn.shape))
         for row, configuration in enumerate(qpos):  # MuJoCo takes one at a time
-            data.qpos = configuration
+            now[:] = configuration
             mujoco.mj_kinematics(self.model, data)
-            places[row], turns[row] = data.geom_xpos[geoms], data.geom_xmat[geoms]
-        ground = turns.reshape(len(qpos), -1, 3, 3)[:, :, :2]
+            places[row], turns[row] = place, turn
+        ground = turns.reshape(*places.shape, 3)[:, :, :2]
         return [
-            places[:, i, None, :2] + np.einsum("tij,kj->tki", ground[:, i], part.core)
-            for i, part in enumerate(self.parts)
+            places[:, p.geom, None, :2]
+            + np.einsum("tij,kj->tki", ground[:, p.geom], p.core)
+            for p in self.parts
         ]
 
     def covered(self, qpos: Array) -> Array:
@@ -232,8 +233,8 @@ class Surroundings:
 
 def _moved(cores: Sequence[Array], first: Rows, last: Rows) -> Array:
     """Largest distance between the points of cores at some samples and at others."""
-    ways = (np.linalg.norm(core[last] - core[first], axis=-1) for core in cores)
-    return np.max([way.max(axis=-1) for way in ways], axis=0)
+    ways = (((core[last] - core[first]) ** 2).sum(axis=-1) for core in cores)
+    return np.sqrt(np.max([way.max(axis=-1) for way in ways], axis=0))
 
 
 def surroundings(setup: Setup) -> Surroundings:

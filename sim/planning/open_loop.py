@@ -134,9 +134,8 @@ def _step_on_counts(setup: Setup, step: Step, swing: tuple[float, ...]) -> Step:
         duration = float((reached - angles[leading]) / direction[leading])
         angles = angles + direction * duration
         flows.append(flow._replace(duration=duration))
-    flows = [flow for flow in flows if flow.duration]
-    counted = replace(step.plan, flows=tuple(flows), segment_ends=(len(flows),))
-    return replace(step, plan=counted)
+    kept = tuple(flow for flow in flows if flow.duration)
+    return replace(step, plan=replace(step.plan, flows=kept, segment_ends=(len(kept),)))
 
 
 def _count(setup: Setup, group: int, angle: float) -> float:
@@ -154,10 +153,9 @@ def _count(setup: Setup, group: int, angle: float) -> float:
     low, high = setup.equations.limits[f"phi_{robot.groups[group]}"]
     inside = np.array([low - RANGE_ROUNDING, high + RANGE_ROUNDING])
     first, last = np.sort((standing + gain * inside) / resolution)
-    count = np.round((standing + gain * angle) / resolution)
-    return float(
-        (resolution * np.clip(count, ceil(first), floor(last)) - standing) / gain
-    )
+    nearest = np.round((standing + gain * angle) / resolution)
+    count = np.clip(nearest, ceil(first), floor(last))
+    return float((resolution * count - standing) / gain)
 
 
 def joined(setup: Setup, plans: list[Plan]) -> Plan:
@@ -173,11 +171,9 @@ def joined(setup: Setup, plans: list[Plan]) -> Plan:
     )
 
 
-def plan_along(
-    setup: Setup, path: Path, coordinates: Coordinates | None = None
-) -> Plan:
+def plan_along(setup: Setup, path: Path, words: Coordinates | None = None) -> Plan:
     """One plan for a whole path, in the scenario's coordinates if none are given."""
-    execution = replace(setup.execution(), coordinates=coordinates or setup.coordinates)
+    execution = replace(setup.execution(), coordinates=words or setup.coordinates)
     return plan(setup.extended, path, setup.scenario.segments, execution=execution)
 
 
@@ -202,10 +198,10 @@ def steer_along(setup: Setup, twists: TwistModel) -> Iterator[Plan]:
             if best is None or least <= tolerable:
                 raise
             break  # the aims diverge
-        ends = segment_ends(setup, planned, twists)
-        misses = np.abs(ends - goals).max(axis=1)
         if len(tried) == ROUGH_ROUNDS - 1:
             yield planned
+        ends = segment_ends(setup, planned, twists)
+        misses = np.abs(ends - goals).max(axis=1)
         if misses.max() < least:
             best, least, worst = planned, misses.max(), int(misses.argmax())
         if least < MET_WITHIN:
