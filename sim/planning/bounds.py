@@ -31,7 +31,7 @@ from sim.motion.prediction import Predictor, inspections, stability_margin
 from sim.motion.schedule import Schedule
 from sim.obstacles.clearance import Surroundings, surroundings
 from sim.planning.open_loop import (
-    joined,
+    joined_plans,
     open_loop_plans,
     plan_segment,
     segment_target,
@@ -68,7 +68,7 @@ def within_bounds(setup: Setup) -> tuple[Setup, Plan | None]:
             if scenario.replan:
                 stages = list(foresee(tried))
                 if scenario.steered_on == "ideal":
-                    planned = joined(tried, [s.plan for s in stages if s.plan])
+                    planned = joined_plans(tried, [s.plan for s in stages if s.plan])
                 return foreseen(tried, stages)
             for planned in open_loop_plans(tried):
                 found = foreseen(tried, list(foresee(tried, planned)))

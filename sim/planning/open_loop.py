@@ -72,7 +72,7 @@ def plan_replanned(setup: Setup) -> Plan:
     for segment in range(setup.scenario.segments):
         plans.append(plan_segment(setup, segment, *split(setup, state)).plan)
         state = rollout(plans[-1])[-1]
-    return joined(setup, plans)
+    return joined_plans(setup, plans)
 
 
 def split(setup: Setup, state: Array) -> tuple[Array, tuple[float, ...]]:
@@ -111,7 +111,7 @@ def _on_counts(setup: Setup) -> Plan:
         changes = [np.multiply(swings[f.field], f.duration) for f in own.flows]
         swing = tuple(np.sum([np.array(swing), *changes], axis=0).tolist())
         plans.append(own)
-    return joined(setup, plans)
+    return joined_plans(setup, plans)
 
 
 def segment_target(setup: Setup, segment: int) -> Array:
@@ -158,7 +158,7 @@ def _count(setup: Setup, group: int, angle: float) -> float:
     return float((resolution * count - standing) / gain)
 
 
-def joined(setup: Setup, plans: list[Plan]) -> Plan:
+def joined_plans(setup: Setup, plans: list[Plan]) -> Plan:
     """Plans of consecutive segments as one."""
     nominal = setup.nominal()
     return replace(

@@ -68,6 +68,18 @@ def test_flow_decays_over_many_time_constants():
     assert end == pytest.approx(np.exp(-40), abs=1e-12)
 
 
+def test_a_flow_far_too_long_for_its_nodes_is_soon_halved():
+    tried = []
+
+    def turning(z):
+        tried.append(len(z))
+        return np.stack([np.cos(z[..., 1]), np.ones(len(z))], axis=-1)
+
+    follow(turning, np.zeros(2), 60.0)  # ten turns, of which the nodes show one
+    halved = tried.index(1, 1)  # a flow begins with the velocity at its start
+    assert halved <= 9  # of the 40 iterations that are allowed
+
+
 def test_flow_that_ends_in_a_singularity_is_refused():
     with pytest.raises(ConvergenceError, match="it escapes or is not smooth"):
         follow(lambda z: -1 / z, np.array([1.0]), 0.6)

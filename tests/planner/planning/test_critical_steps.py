@@ -9,6 +9,8 @@ import sympy as sp
 from models.systems.catalogue import shipped_system
 from planner.execution.execution import Execution
 from planner.extension.extended import extend
+from planner.numerics import collocation
+from planner.planning import critical_steps
 from planner.planning.critical_steps import (
     ACCURACY,
     critical_step,
@@ -167,6 +169,24 @@ def test_bare_systems_have_their_elements_chosen():
 def test_direction_without_length_is_refused():
     with pytest.raises(ValueError, match="direction has length 0; give one that"):
         critical_step(extend(hexapod(), PAPER), np.zeros(5), np.zeros(5))
+
+
+def test_words_follow_a_field_together_however_they_begin(monkeypatch):
+    """Opposite steps have words of other letters; each round takes a flow of both."""
+    extended, followed = shipped_system("car").extended, []
+
+    def counted(velocity, starts, *rest):
+        followed.append(len(starts))
+        return collocation.follow_all(velocity, starts, *rest)
+
+    monkeypatch.setattr(critical_steps, "follow_all", counted)
+    steps = critical_steps._Steps(extended, np.zeros(4), None)
+    sideways = np.array([0.0, 1e-3, 0.0, 0.0])
+    steps.left(sideways[None])
+    alone = len(followed)
+    steps.left(np.array([sideways, -sideways]))
+    assert followed[:alone] == [1] * alone
+    assert followed[alone:] == [2] * alone
 
 
 def test_directions_that_no_element_gives_have_no_step():

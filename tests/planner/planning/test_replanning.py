@@ -6,6 +6,7 @@ import pytest
 from planner.errors import RangeError
 from planner.execution.execution import Execution
 from planner.extension.extended import extend
+from planner.extension.steering import Steering
 from planner.planning.rollouts import rollout
 from planner.planning.shooting import plan_step
 from tests.systems import LIFTED, METRES, hexapod
@@ -41,3 +42,18 @@ def test_step_from_beyond_the_range_is_refused(robot):
     execution = Execution(limits=RANGE)
     with pytest.raises(RangeError, match=r"phi_1 would reach 0\.5, outside its range"):
         plan_step(robot, [0, 0, 0, 0.5, 0], [0.01, 0, 0, 0.5, 0], execution)
+
+
+def test_words_are_spelled_once_for_all_choices_among_them(robot, monkeypatch):
+    spelled, spell = [], Steering.scaled_words
+
+    def counted(steering, coordinates, order, *scales):
+        spelled.append(order)
+        return spell(steering, coordinates, order, *scales)
+
+    monkeypatch.setattr(Steering, "scaled_words", counted)
+    away = np.array([0, 0, 0, 0.5, 0.5])  # which the limits refuse in any words
+    with pytest.raises(RangeError):
+        plan_step(robot, away, away + [0.01, 0, 0, 0, 0], Execution(limits=RANGE))
+    steps = len(spelled) // 2
+    assert spelled == ["backward", "forward"] * steps  # not again for each alone

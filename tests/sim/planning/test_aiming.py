@@ -11,6 +11,7 @@ from planner.planning.rollouts import rollout
 from planner.systems.flows import Flow
 from sim.experiments.identification import twist_model
 from sim.motion.poses import compose, relative
+from sim.planning import open_loop
 from sim.planning.open_loop import (
     plan_open_loop,
     plan_segment,
@@ -51,6 +52,18 @@ def test_predicted_ends_of_segments_lie_on_the_nominal_path(turning):
     nominal = [turning.scenario.path(k / 10) for k in range(11)]
     # the rounds stop at 1e-7
     assert ends == pytest.approx(np.array(nominal), abs=1e-6)
+
+
+def test_a_rough_plan_is_told_before_its_ends_are_predicted(turning, monkeypatch):
+    predicted, predict = [], open_loop.segment_ends
+
+    def counted(*given):
+        predicted.append(predict(*given))
+        return predicted[-1]
+
+    monkeypatch.setattr(open_loop, "segment_ends", counted)
+    next(steer_along(turning, twist_model(turning, "quasi_static")))
+    assert len(predicted) == open_loop.ROUGH_ROUNDS - 1
 
 
 def test_without_steering_the_prediction_misses_them(turning):

@@ -14,7 +14,7 @@ from sim.experiments.identification import twist_model
 from sim.motion.prediction import Predictor
 from sim.obstacles.clearance import surroundings
 from sim.planning.bounds import _reach, foresee, within_bounds
-from sim.planning.open_loop import plan_open_loop
+from sim.planning.open_loop import plan_open_loop, plan_replanned
 from sim.preparation.setup import prepare
 from sim.scenarios import obstacles as shapes
 from sim.scenarios.body_path import line
@@ -108,6 +108,19 @@ def test_a_margin_is_kept_all_along_the_predicted_motion(replan):
     assert setup.scenario.segments > plain.scenario.segments
     # ends of swings, where the margin is least, are among the steps looked at
     assert min(margins(setup)) > least - 1e-9
+
+
+def test_a_replanned_walk_on_ideal_fields_is_planned_once_within_its_bounds():
+    changes = {"path.goal": [0.02, 0.02, 0.0], "segments": 4, "replan": True}
+    setup, planned = within_bounds(
+        prepare(load_scenario("line", changes | {"min_margin": 0.03}))
+    )
+    assert planned.flows == plan_replanned(setup).flows
+    steered = prepare(load_scenario("line", changes | {"min_margin": 0.03} | STEERED))
+    assert within_bounds(steered)[1] is None  # other poses are predicted than reached
+
+
+STEERED = {"steer": "quasi-static"}
 
 
 def test_legs_out_of_range_are_brought_back_by_subdividing_too():
