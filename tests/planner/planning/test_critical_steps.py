@@ -171,8 +171,8 @@ def test_direction_without_length_is_refused():
         critical_step(extend(hexapod(), PAPER), np.zeros(5), np.zeros(5))
 
 
-def test_words_follow_a_field_together_however_they_begin(monkeypatch):
-    """Opposite steps have words of other letters; each round takes a flow of both."""
+def test_words_of_other_letters_follow_a_field_together(monkeypatch):
+    """As many rounds as the longest of them has flows along it, and not all of both."""
     extended, followed = shipped_system("car").extended, []
 
     def counted(velocity, starts, *rest):
@@ -181,12 +181,8 @@ def test_words_follow_a_field_together_however_they_begin(monkeypatch):
 
     monkeypatch.setattr(critical_steps, "follow_all", counted)
     steps = critical_steps._Steps(extended, np.zeros(4), None)
-    sideways = np.array([0.0, 1e-3, 0.0, 0.0])
-    steps.left(sideways[None])
-    alone = len(followed)
-    steps.left(np.array([sideways, -sideways]))
-    assert followed[:alone] == [1] * alone
-    assert followed[alone:] == [2] * alone
+    steps.left(np.array([[0.0, 1e-3, 0.0, 0.0], [0.1, 0.2, 0.3, 0.1]]))
+    assert followed == [2] * 5 + [1] * 6  # one has 5 flows along drive, the other 11
 
 
 def test_directions_that_no_element_gives_have_no_step():

@@ -7,6 +7,8 @@ from planner.errors import RangeError
 from planner.execution.execution import Execution
 from planner.extension.extended import extend
 from planner.extension.steering import Steering
+from planner.planning.algorithm import follow_path
+from planner.planning.paths import line
 from planner.planning.rollouts import rollout
 from planner.planning.shooting import plan_step
 from tests.systems import LIFTED, METRES, hexapod
@@ -54,6 +56,5 @@ def test_words_are_spelled_once_for_all_choices_among_them(robot, monkeypatch):
     monkeypatch.setattr(Steering, "scaled_words", counted)
     away = np.array([0, 0, 0, 0.5, 0.5])  # which the limits refuse in any words
     with pytest.raises(RangeError):
-        plan_step(robot, away, away + [0.01, 0, 0, 0, 0], Execution(limits=RANGE))
-    steps = len(spelled) // 2
-    assert spelled == ["backward", "forward"] * steps  # not again for each alone
+        follow_path(robot, line(away, away + 0.01), 1, Execution(limits=RANGE))
+    assert spelled == ["backward", "forward"]  # and not again for each alone
