@@ -14,7 +14,11 @@ from functools import cache
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from sim.figures import NAMES
 from sim.figures.physics import Job, Walked, Walks, begun
@@ -22,11 +26,8 @@ from sim.figures.style import STYLE, sheet_of
 from sim.folder import RunFolder, csv_text, whole
 from sim.palette import Style
 from sim.progress import Progress, silent
+from sim.reports.tables import Table
 from sim.templates import render
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 FORMATS = ("png", "svg")
 SHARED = {"biped": "strata", "quadruped": "strata"}  # modules, of two figures each
@@ -42,23 +43,6 @@ class Shown:
 
     rows: Sequence[tuple[Cell, ...]]
     words: Mapping[str, object] = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class Table:
-    """Numbers that a drawing shows, unrounded; the header has names and units."""
-
-    header: tuple[str, ...]
-    rows: tuple[tuple[Cell, ...], ...]
-
-    def __post_init__(self) -> None:
-        for i, row in enumerate(self.rows):
-            if len(row) != (width := len(self.header)):
-                raise ValueError(f"row {i} has {len(row)} cells for {width} columns")
-
-    def csv(self) -> str:
-        """The table as CSV, every digit kept."""
-        return csv_text([self.header, *self.rows])
 
 
 @dataclass(frozen=True)
@@ -115,8 +99,6 @@ class Sheet:
 
 def drawn(figure: str, kind: str, walks: Mapping[str, Walked] | None = None) -> Sheet:
     """Compute and draw a sheet: `paper`, or `metres` of the figure's `WALKS`."""
-    from matplotlib import rc_context
-
     layout, module = _layouts()[figure][kind], _module(figure)
     data = () if kind == "paper" else (walks or {},)
     with rc_context(STYLE):
@@ -138,7 +120,7 @@ def drawn(figure: str, kind: str, walks: Mapping[str, Walked] | None = None) -> 
         title=layout.title,
         caption=" ".join(layout.caption.split()).format(**shown.words),
         figure=canvas,
-        table=Table(tuple(layout.columns), tuple(shown.rows)),
+        table=Table(layout.columns, shown.rows),
     )
 
 
@@ -165,14 +147,13 @@ def _module(figure: str) -> ModuleType:
 
 def save(sheet: Sheet, folder: Path) -> None:
     """Write the drawing under its title as PNG and SVG, and its numbers as CSV."""
-    from matplotlib import rc_context
-
     with rc_context(STYLE):
         for kind in FORMATS:
             with whole(folder / f"{sheet.name}.{kind}") as part:
                 undated = {"Date": None} if kind == "svg" else {"Software": None}
                 sheet.figure.savefig(part, format=kind, metadata=undated)
-    RunFolder(folder).write_text(f"{sheet.name}.csv", sheet.table.csv())
+    rows = [sheet.table.header, *sheet.table.rows]
+    RunFolder(folder).write_text(f"{sheet.name}.csv", csv_text(rows))
 
 
 def page(sheets: Sequence[Sheet]) -> str:

@@ -40,10 +40,15 @@ SUMS = {
 
 @dataclass(frozen=True)
 class Table:
-    """A table; the first column names the row."""
+    """A table with the names and units of its columns."""
 
     header: Sequence[str]
-    rows: Sequence[Sequence[str]]
+    rows: Sequence[Sequence[Any]]
+
+    def __post_init__(self) -> None:
+        for i, row in enumerate(self.rows):
+            if len(row) != (width := len(self.header)):
+                raise ValueError(f"row {i} has {len(row)} cells for {width} columns")
 
 
 def sentences(run: Run) -> list[str]:
