@@ -91,9 +91,9 @@ def test_a_row_of_the_planners_table_says_what_the_page_says(monkeypatch):
 @pytest.mark.physics
 def test_a_point_of_the_convergence_study_is_where_the_page_has_it():
     """At the default speed the turning walk is 0.09 % of its path off."""
-    found = convergence.judged("swing_speed", 0.5)
-    assert 100 * found.ratio == pytest.approx(0.09, abs=0.005)
-    assert found.bounces == 0
+    found = convergence.walked("swing_speed", 0.5)
+    assert 100 * convergence.share(found) == pytest.approx(0.09, abs=0.005)
+    assert found["bounces"] == 0
 
 
 @pytest.mark.full
