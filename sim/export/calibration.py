@@ -23,6 +23,7 @@ from sim import palette
 from sim.errors import RenderError
 from sim.export.servo_commands import ServoCommands
 from sim.pictures import gl
+from sim.templates import render
 
 MARK = radians(30)  # of a joint from where it stands, on either side
 LIKELY = 0.5  # of the counts a radian of the make; other answers are mistaken
@@ -128,7 +129,6 @@ WIDTH, HEIGHT = 420, 300  # of one angle's picture [pixels]
 LIMIT = 300.0  # [s]
 DISTANCE, ELEVATION = 3.2, -40.0  # of the camera [reach of the robot], [degrees]
 ASIDE = 140.0  # from the joint to the camera [degrees]
-METRE = 1 / 0.0254  # [inch]
 SHEET_EDGE = 0.02  # around the sheet's feet [m]
 
 
@@ -181,30 +181,16 @@ def sheet(robot: Robot, path: Path) -> None:
 
     A ring is as wide as a degree of the swing joint moves the foot.
     """
-    import matplotlib as mpl
-    from matplotlib.figure import Figure
-    from matplotlib.patches import Circle
-
-    kinematics = Kinematics(robot)
+    kinematics, legs = Kinematics(robot), []
     feet = kinematics.standing.feet
-    low = feet.min(axis=0) - 2 * SHEET_EDGE
-    high = feet.max(axis=0) + 2 * SHEET_EDGE
-    with mpl.rc_context({"svg.hashsalt": palette.STYLES["base"]["svg.hashsalt"]}):
-        figure = Figure(figsize=(high - low) * METRE)
-        axes = figure.add_axes((0, 0, 1, 1), xlim=(low[0], high[0]))
-        axes.set(ylim=(low[1], high[1]), aspect="equal")
-        axes.set_axis_off()
-        for (leg, card), foot in zip(robot.card.legs.items(), feet, strict=True):
-            hip = kinematics.hinge(card.swing)[1][:2]
-            degree = np.radians(1) * np.linalg.norm(foot - hip)
-            axes.add_patch(Circle(foot, degree, fill=False))
-            axes.plot(*np.array([hip, foot]).T, linewidth=0.5, color="0.5")
-            angle = np.degrees(np.arctan2(*(foot - hip)[::-1]))
-            axes.annotate(f"leg {leg}, {angle:.0f}°", foot + (0.004, 0.004), size=8)
-        corner = low + SHEET_EDGE
-        axes.plot(*np.transpose([corner, corner + (0.05, 0)]), color="k")
-        axes.annotate("50 mm ahead; print at 100 %", corner + (0, 0.002), size=8)
-        figure.savefig(path, metadata={"Date": None})
+    for (leg, card), foot in zip(robot.card.legs.items(), feet, strict=True):
+        hip = kinematics.hinge(card.swing)[1][:2]
+        way = foot - hip
+        ring, bearing = radians(1) * np.linalg.norm(way), np.arctan2(*way[::-1])
+        legs.append((leg, hip, foot, ring, degrees(bearing)))
+    low, high = feet.min(axis=0) - 2 * SHEET_EDGE, feet.max(axis=0) + 2 * SHEET_EDGE
+    marked = low + SHEET_EDGE
+    path.write_text(render("feet.svg", legs=legs, low=low, high=high, corner=marked))
 
 
 if __name__ == "__main__":

@@ -238,8 +238,9 @@ def test_the_sheet_has_its_size_and_a_ring_of_a_degree_for_each_foot(tmp_path):
     robot = load(ROBOT)
     calibration.sheet(robot, tmp_path / "feet.svg")
     text = (tmp_path / "feet.svg").read_text()
-    points = [float(n) for n in re.findall(r'(?:width|height)="([\d.]+)pt"', text)]
+    millimetres = re.findall(r'(?:width|height)="([\d.]+)mm"', text)
     feet = Kinematics(robot).standing.feet
     edge = 4 * calibration.SHEET_EDGE  # two on every side
-    assert np.array(points) / 72 * 0.0254 == pytest.approx(np.ptp(feet, axis=0) + edge)
+    size = np.array(millimetres, dtype=float) / 1e3
+    assert size == pytest.approx(np.ptp(feet, axis=0) + edge, abs=1e-6)  # as written
     assert text.count("leg ") >= 6
