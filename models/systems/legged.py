@@ -101,14 +101,11 @@ def biped(hip: float = 1, heights: bool = True) -> Problem:
     stands. With both feet down nothing can move: the bottom stratum has no field. Each
     hip is that far from the middle of the body; the state may hold foot heights.
     """
-    left: Twist = (hip, 0, 1)
-    right: Twist = (hip, 0, -1)
-    still: Mapping[str, Twist | None] = {"1": None, "2": None}
-    strata = {"12": still, "1": {"1": left}, "2": {"2": right}}
+    turning: Strata = {"1": {"1": (hip, 0, 1)}, "2": {"2": (hip, 0, -1)}}
     return Problem(
         name="biped",
         description="two turning feet, as one walks a cupboard; sideways (Fig. 2)",
-        system=walker(strata, heights=heights),
+        system=walker({"12": {"1": None, "2": None}, **turning}, heights=heights),
         gait=ALTERNATING,
         elements=("g1_1", "g2_2", *AIR_SWINGS, "[g1_1,g2_2]"),
         goal={"y": 1},
@@ -220,17 +217,17 @@ def finger_gaiting(fingers: int = 3, reach: float = 1, span: float = 0.5) -> Pro
     numbers = "123456789"[:fingers]
     names = ["disc", *(f"phi_{i}" for i in numbers), *(f"gap_{i}" for i in numbers)]
     steps = {numbers.replace(up, ""): up for up in numbers}
-    strata = {}
-    for stratum, up in {numbers: "", **steps}.items():
-        turning = {"disc": reach} | {f"phi_{i}": 1 for i in stratum}
-        rates: dict[str, dict[str, float]] = {f"turn_{stratum}": turning}
-        if up:
-            rates[f"swing_{stratum}"] = {f"phi_{up}": 1}
-            rates[f"lift_{stratum}"] = {f"gap_{up}": 1}
-        strata[stratum] = {
-            field: [sp.sympify(rate.get(name, 0)) for name in names]
-            for field, rate in rates.items()
-        }
+
+    def column(**rates: float) -> list[sp.Expr]:
+        return [sp.sympify(rates.get(name, 0)) for name in names]
+
+    strata = {
+        s: {f"turn_{s}": column(disc=reach, **{f"phi_{i}": 1 for i in s})}
+        for s in (numbers, *steps)
+    }
+    for s, up in steps.items():
+        strata[s][f"swing_{s}"] = column(**{f"phi_{up}": 1})
+        strata[s][f"lift_{s}"] = column(**{f"gap_{up}": 1})
     return Problem(
         name="finger-gaiting",
         description="a disc turned once around by fingers that swing and lift",

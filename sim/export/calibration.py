@@ -189,8 +189,8 @@ def sheet(robot: Robot, path: Path) -> None:
         ring, bearing = radians(1) * np.linalg.norm(way), np.arctan2(*way[::-1])
         legs.append((leg, hip, foot, ring, degrees(bearing)))
     low, high = feet.min(axis=0) - 2 * SHEET_EDGE, feet.max(axis=0) + 2 * SHEET_EDGE
-    marked = low + SHEET_EDGE
-    path.write_text(render("feet.svg", legs=legs, low=low, high=high, corner=marked))
+    text = render("feet.svg", legs=legs, low=low, high=high, corner=low + SHEET_EDGE)
+    path.write_bytes(text.encode())
 
 
 if __name__ == "__main__":
