@@ -5,12 +5,10 @@ class ModelError(Exception):
     """A robot file that exists but cannot be used; exit code 3 on the command line.
 
     Example:
-        >>> from models import ModelError, load
-        >>> try:
-        ...     load("hexapod", geometry={"wings": 2.0})
-        ... except ModelError as error:
-        ...     print(str(error)[:35])
-        hexapod: geometry.wings is unknown;
+        >>> from models import load
+        >>> load("hexapod", geometry={"wings": 2.0})
+        Traceback (most recent call last):
+        models.errors.ModelError: hexapod: geometry.wings is unknown; ...
     """
 
 
@@ -18,12 +16,10 @@ class UnknownRobotError(ValueError):
     """A robot name that is not shipped, or a file that is not there.
 
     Example:
-        >>> from models import UnknownRobotError, load
-        >>> try:
-        ...     load("spider")
-        ... except UnknownRobotError as error:
-        ...     print(str(error)[:24])
-        unknown robot: 'spider';
+        >>> from models import load
+        >>> load("spider")
+        Traceback (most recent call last):
+        models.errors.UnknownRobotError: unknown robot: 'spider'; ...
     """
 
 
@@ -41,10 +37,8 @@ class ProblemError(ValueError):
     """A system that is not shipped, or is described wrongly; exit code 2.
 
     Example:
-        >>> from models import ProblemError, shipped_system
-        >>> try:
-        ...     shipped_system("spider")
-        ... except ProblemError as error:
-        ...     print(str(error)[:27])
-        system 'spider' is unknown;
+        >>> from models import shipped_system
+        >>> shipped_system("spider")
+        Traceback (most recent call last):
+        models.errors.ProblemError: system 'spider' is unknown; ...
     """

@@ -1,8 +1,5 @@
 """Ten robots in MJCF and URDF as others draw them, from templates, to be adopted.
 
-Their legs stick out straight or are bent, stand around the body or along it, have two
-joints or three, motors, servos or nothing, names or none.
-
 Example:
     python -m scripts.adoptees spider
 """

@@ -140,21 +140,10 @@ def load_system(
         OSError: The file cannot be opened.
 
     Example:
-        >>> from pathlib import Path
-        >>> from tempfile import TemporaryDirectory
+        >>> from importlib.resources import files
         >>> from models import load_system
-        >>> wheel = '''
-        ... state = ["x", "y", "theta"]
-        ... goal = { y = 1 }
-        ... [strata.0]
-        ... roll = { x = "cos(theta)", y = "sin(theta)" }
-        ... turn = { theta = 1 }
-        ... '''
-        >>> with TemporaryDirectory() as folder:
-        ...     file = Path(folder, "wheel.toml")
-        ...     _ = file.write_text(wheel)
-        ...     load_system(file).elements
-        ()
+        >>> load_system(files("models") / "systems" / "unicycle.toml").elements
+        ('drive', 'turn', '[drive,turn]')
     """
     path = Path(path)
     source = read_file(path)
