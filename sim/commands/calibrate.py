@@ -24,7 +24,7 @@ from sim.commands import options as cli
 from sim.endings import again, keeping, way_on
 from sim.errors import RenderError, UsageError
 from sim.export.calibration import card_with, draw, joint_servo, marks, sheet, strokes
-from sim.export.header import filled, write_header
+from sim.export.header import write_header
 from sim.export.servo_table import servo_table
 from sim.export.source import write_table
 from sim.folder import RunFolder, ensure_folder, whole
@@ -68,7 +68,7 @@ def _prepare(
     """Write what jogs the servos, and the page with the pictures of the joints."""
     tool = SKETCH if kind.signal == "pulse" else SCRIPT
     rate = kind.command_rate
-    text = filled(
+    text = render(
         tool.replace(".py", ".txt"),
         CLOCK=f"{BOARD_CLOCK:.0f}",
         RATE=f"{board_rate(rate):.6f}",
@@ -76,7 +76,7 @@ def _prepare(
         MIDDLE=kind.at_rate(board_rate(rate)).center,
         JOG=JOG,
     )
-    folder.write_text(tool, text)
+    folder.write_text(tool, f"{text}\n")
     if (folder.path / PAGE).exists():
         return
     with cli.working(options, "drawing the joints"):

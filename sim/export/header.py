@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from importlib.resources import files
 from itertools import islice
 from textwrap import wrap
 
@@ -19,6 +18,7 @@ import numpy as np
 from planner import Array
 from sim.export.servo_commands import ServoCommands
 from sim.export.servo_table import ServoTable
+from sim.templates import render
 
 LONGEST_RUN = 255  # commands that a row holds
 ITSELF = 128  # instead of a change: the pulse follows
@@ -43,7 +43,7 @@ def write_header(
     numbers = [str(servo.channel) for servo in table.channels]
     listed = [f"//   {s.channel:2}  {in_comment(s.joint)}" for s in table.channels]
     packed = pack(counts)
-    return filled(
+    text = render(
         "header.h",
         name=name,
         NAME=name.upper(),
@@ -61,12 +61,7 @@ def write_header(
         channels=", ".join(numbers),
         bytes="\n".join(wrap(", ".join(map(str, packed)), WIDTH)),
     )
-
-
-def filled(template: str, /, **values: object) -> str:
-    """A file of this folder with values in the places that it marks, `@name@`."""
-    text = (files("sim.export") / template).read_text()
-    return re.sub(r"@(\w+)@", lambda place: str(values[place[1]]), text)
+    return f"{text}\n"
 
 
 def read_header(text: str, table: ServoTable) -> ServoCommands:

@@ -1,4 +1,4 @@
-"""Templates of pages, with their style and script, and of texts for a terminal."""
+"""Templates of pages, with their style and script, of texts and of firmware."""
 
 from __future__ import annotations
 
@@ -11,6 +11,9 @@ from markupsafe import Markup, escape
 
 if TYPE_CHECKING:
     from jinja2 import Environment, Template
+
+
+PLAIN = (".txt", ".md", ".h", ".ino")  # texts in which nothing needs to be escaped
 
 
 def render(name: str, /, **values: Any) -> str:
@@ -29,7 +32,7 @@ def _environment() -> Environment:
 
     environment = Environment(
         loader=FunctionLoader(_text),
-        autoescape=lambda name: not str(name).endswith((".txt", ".md")),
+        autoescape=lambda name: not str(name).endswith(PLAIN),
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,

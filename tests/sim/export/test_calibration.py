@@ -2,6 +2,7 @@
 
 import re
 import runpy
+from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -207,7 +208,7 @@ def test_what_is_not_calibrated_is_not_checked(calibrate, capsys):
 
 
 def test_packets_are_those_of_the_makers_manuals():
-    script = Path(calibration.__file__).with_name("bus.txt")
+    script = files("sim.templates") / "bus.txt"
     packets = runpy.run_path(str(script))["packets"]
     torque, goal = packets("ax-12", 1, 512)[:8], packets("ax-12", 1, 512)[8:]
     assert torque == bytes.fromhex("ffff01040318 01de")

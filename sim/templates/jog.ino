@@ -2,16 +2,16 @@
 
 For an Arduino with the Adafruit PWM Servo Driver Library; Serial Monitor at 115200:
   3 371   channel 3 goes to count 371, one count after another
-  j 3     channel 3 goes up by @JOG@ counts and back, three times
+  j 3     channel 3 goes up by {{ JOG }} counts and back, three times
   k       the clock: connect the signal of channel 15 to pin 2, without a servo
 */
 
 #include <Adafruit_PWMServoDriver.h>
 
 const uint8_t FREE_CHANNEL = 15, PIN = 2;
-const float NOMINAL = @CLOCK@;  // [Hz]; counts below are those of this divider
-const float RATE = @RATE@;      // frames a second, if the clock is the nominal one
-const uint16_t MIDDLE = @MIDDLE@, JOG = @JOG@;
+const float NOMINAL = {{ CLOCK }};  // [Hz]; counts below are those of this divider
+const float RATE = {{ RATE }};      // frames a second, if the clock is the nominal one
+const uint16_t MIDDLE = {{ MIDDLE }}, JOG = {{ JOG }};
 
 Adafruit_PWMServoDriver board;
 uint16_t at[16];
@@ -44,7 +44,7 @@ void measure() {
   for (uint8_t i = 0; i < 100; i++) sum += pulseIn(PIN, HIGH, 100000);
   board.setPWM(FREE_CHANNEL, 0, 0);
   Serial.print("clock [MHz]: ");
-  Serial.println(@DIVIDER@ * 2048.0 / (sum / 100), 3);
+  Serial.println({{ DIVIDER }} * 2048.0 / (sum / 100), 3);
 }
 
 void setup() {
