@@ -16,7 +16,7 @@ All arrays have a leading axis of lanes, problems that are solved side by side.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import partial
 from typing import NamedTuple, Self
 
@@ -26,6 +26,7 @@ from planner import Array
 
 FORCE, WAY, ARM = 1e-6, 1e-9, 0.1  # allowed [N], [m]; moments count at an arm [m]
 NEWTON_STEPS = 14  # of Newton's method on a scale
+EVERY = 3  # of its steps, joints go to or from the stops of their backlash
 SHORTENED = 7  # steps after which they are shortened
 FARTHEST_STEP = 0.004  # [m], and ten times as many radians, of a step
 SCALES = (  # of normal and tangential gaps against a leg's own stiffness, in turn
@@ -34,8 +35,12 @@ SCALES = (  # of normal and tangential gaps against a leg's own stiffness, in tu
 EASE = np.array([1.0, 1.0, 1.0, 0.01, 0.01, 0.01])  # [N/m], [N m/rad], of Newton's step
 CREEP = 1e-7  # of a leg's own compliance, where a foot cannot give way along the floor
 
-Give = Callable[[Array, Array], tuple[Array, Array]]
-"""Angles by which torques (B, F, J) turn the joints of lanes (B,), and their slope."""
+Give = Callable[[Array, Array, Array | None], tuple[Array, Array, Array]]
+"""Angles by which torques (B, F, J) turn the joints of lanes (B,), and their slope.
+
+Joints with backlash are at its stops, -1 or 1, or between, 0: where they are taken to
+be, (B, F, J), else where they belong, and third where these angles lie.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +67,7 @@ class Contact(Lanes):
     friction: Array  # mu, (B, F, K)
     wrench: Array  # on the body, w, (B, 6) [N], [N m]
     inertia: Array  # M, over the square of the time, (B, 6, 6)
+    side: Array | None = None  # stops at which joints are at first, (B, F, J)
 
 
 class Found(NamedTuple):
@@ -83,7 +89,7 @@ def equilibrium(
     """Solve, from a guess of twist (B, 6) and forces (B, F, K, 3).
 
     Lanes that do not converge on one scale are tried on the next. `give` replaces the
-    linear springs where joints have slack or a largest torque.
+    linear springs where joints have slack or a largest torque, from `contact.side`.
     """
     found = _newton(contact, twist, force, SCALES[0], give)
     for attempt, scale in enumerate(SCALES[1:]):
@@ -100,9 +106,9 @@ def equilibrium(
 
 
 def _of_lanes(
-    give: Give, some: Array, torque: Array, lanes: Array
-) -> tuple[Array, Array]:
-    return give(torque, some[lanes])
+    give: Give, some: Array, torque: Array, lanes: Array, side: Array | None
+) -> tuple[Array, Array, Array]:
+    return give(torque, some[lanes], side)
 
 
 def motion(
@@ -142,17 +148,29 @@ def _newton(
     scale: tuple[float, float],
     give: Give | None,
 ) -> Found:
-    """Newton's method on one scale; lanes that are done are left out."""
+    """Newton's method on one scale; lanes that are done are left out.
+
+    Joints go to or from their stops at every third step, when feet have settled, for
+    they are thousands of times as soft in between: they would go to and fro for ever.
+    """
     best = Found(twist.copy(), force.copy(), np.full(len(twist), np.inf))
     lanes = np.arange(len(twist))
     compliance = _compliance(contact, contact.yield_)
     law = _Law.of(contact, compliance, scale)
-    for step in range(NEWTON_STEPS):
+    for step in range(NEWTON_STEPS if give is None else 2 * NEWTON_STEPS):
+        turned, settled = None, np.ones(len(lanes), dtype=bool)
+        turning = give is None or (step > 0 and step % EVERY == 0)
         if give is not None:
-            turned, slope = give(torque_of(contact.lever, force), lanes)
+            torque = torque_of(contact.lever, force)
+            turned, slope, side = give(torque, lanes, contact.side)
+            if turning:
+                contact = replace(contact, side=side)
+                turned, slope, side = give(torque, lanes, contact.side)
+            settled = np.all(side == contact.side, axis=(1, 2))
             compliance = _compliance(contact, slope)
-        u = motion(contact, twist, force, None if give is None else turned)
-        state = law.at(contact, twist, force, u)
+            law = _Law.of(contact, compliance, scale)
+        state = law.at(contact, twist, force, motion(contact, twist, force, turned))
+        state.error[~settled] = np.inf
         better = state.error < best.error[lanes]
         ahead = lanes[better]
         best.twist[ahead], best.force[ahead] = twist[better], force[better]
@@ -167,7 +185,7 @@ def _newton(
         dx, df = _step(contact, law, state, compliance)
         size = np.maximum(np.abs(dx[:, :3]).max(1), 0.1 * np.abs(dx[:, 3:]).max(1))
         cut = np.minimum(1.0, FARTHEST_STEP / np.maximum(size, 1e-12))
-        cut *= 0.6 if step >= SHORTENED else 1.0
+        cut *= 0.6 if step >= SHORTENED and turning else 1.0
         twist = twist + cut[:, None] * dx
         force = force + cut[:, None, None, None] * df.reshape(force.shape)
     return best

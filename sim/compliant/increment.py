@@ -35,6 +35,7 @@ from sim.compliant.places import UP, Places, Skeleton, cross, rotation, skew
 LEAST = 1e-9  # [s]; of a servo's time, where it has no damping
 STOP_STIFFNESS = 5e3  # [N m/rad]; stiffness at the ends of backlash
 OVERLOADED = 0.1  # [rad/(N m)]; how far a servo gives way beyond its largest torque
+ON_EDGE = 1e-10  # [rad]; joints as close to an end of backlash are on either side
 LOADED = 0.01  # of the weight, from which on a foot stands
 
 
@@ -123,6 +124,7 @@ class Mechanics:
             friction=robots.friction,
             wrench=wrench + (inertia @ coast[..., None])[..., 0],
             inertia=inertia,
+            side=_side(robots, state.loose),
         )
         give = _give(robots, state, spring, heavy, h)
         found = _solved(contact, coast, state.force, give, _grip(robots, places))
@@ -130,7 +132,7 @@ class Mechanics:
         if give is None:
             shift, loose = contact.yield_ * pulled, state.loose
         else:
-            shift, _ = give(pulled, np.arange(len(h)))
+            shift = give(pulled, np.arange(len(h)), None)[0]
             loose = _loosened(robots, state, pulled + heavy, h)[0]
         u = motion(contact, found.twist, found.force, shift)
         angles = rest + shift - (loose - state.loose)
@@ -218,31 +220,41 @@ def _give(
     if not robots.slack.any() and not np.isfinite(robots.torque).any():
         return None
 
-    def law(torque: Array, lanes: Array) -> tuple[Array, Array]:
+    def law(
+        torque: Array, lanes: Array, side: Array | None
+    ) -> tuple[Array, Array, Array]:
         own = robots.take(lanes)
         whole = torque + heavy[lanes]
-        loose, slope = _loosened(own, state.take(lanes), whole, h[lanes])
+        loose, slope = _loosened(own, state.take(lanes), whole, h[lanes], side)
         over = np.sign(whole) * np.maximum(np.abs(whole) - own.torque, 0.0)
         turned = spring.yield_[lanes] * torque + OVERLOADED * over
         slope = slope + spring.yield_[lanes] + OVERLOADED * (over != 0)
-        return turned + loose - state.loose[lanes], slope
+        return turned + loose - state.loose[lanes], slope, _side(own, loose, side)
 
     return law
 
 
 def _loosened(
-    robots: Robots, state: State, torque: Array, h: Array
+    robots: Robots, state: State, torque: Array, h: Array, side: Array | None = None
 ) -> tuple[Array, Array]:
-    """Angles within the backlash, where only rubbing resists, and their slope."""
+    """Angles in the backlash at given stops, else at those they reach; their slope."""
     if not robots.slack.any():
         return state.loose, np.zeros_like(torque)
-    rate = h[:, None, None] / robots.rub
-    end, stopped = robots.slack / 2, np.where(robots.slack > 0, 1 / STOP_STIFFNESS, 0.0)
-    moved = np.clip(state.loose, -end, end) + rate * torque
-    inside = np.clip(moved, -end, end)
-    over = (moved - inside) / rate
-    slope = np.where(over == 0, rate, stopped) * (robots.slack > 0)
-    return inside + over * stopped, slope
+    end, has = robots.slack / 2, robots.slack > 0
+    rubbing = robots.rub / h[:, None, None]
+    begin = np.clip(state.loose, -end, end)  # between stops, where only rubbing resists
+    inside = np.where(has, begin + torque / rubbing, 0.0)
+    side = _side(robots, inside) if side is None else side
+    over = torque - (side * end - begin) * rubbing
+    loose = np.where(side == 0, inside, side * end + over / STOP_STIFFNESS)
+    return loose, has / np.where(side == 0, rubbing, STOP_STIFFNESS)
+
+
+def _side(robots: Robots, loose: Array, before: Array | None = None) -> Array:
+    """The stop at which joints are, -1 or 1, else 0; that of before, where on edge."""
+    over = np.abs(loose) - robots.slack / 2
+    side = np.sign(loose) * (over > 0)
+    return side if before is None else np.where(np.abs(over) < ON_EDGE, before, side)
 
 
 def _slip(robots: Robots, before: Array, after: Array, moved: Array) -> Array:

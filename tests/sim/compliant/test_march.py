@@ -65,6 +65,21 @@ def test_every_accepted_increment_of_a_walk_is_an_equilibrium(short, monkeypatch
     assert sum(slid) > 10
 
 
+def test_an_equilibrium_is_found_on_both_sides_of_backlash(monkeypatch):
+    """No increment has to be repeated for want of one: in 1.5 s it takes some 100."""
+    lanes = []
+
+    def counted(*problem):
+        found = equilibrium(*problem)
+        lanes.extend(found.holds)
+        return found
+
+    monkeypatch.setattr(increment, "equilibrium", counted)
+    marched(course(backlash=0.005), 1.5)
+    assert len(lanes) > 80
+    assert all(lanes)
+
+
 def test_a_leg_in_the_air_follows_its_servo_exactly(short):
     """A spring and a damper under its own weight: one increment is as good as four."""
     _, phases, way, _ = short
