@@ -17,7 +17,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
-from functools import partial
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -34,13 +33,6 @@ SCALES = (  # of normal and tangential gaps against a leg's own stiffness, in tu
 )  # fmt: skip
 EASE = np.array([1.0, 1.0, 1.0, 0.01, 0.01, 0.01])  # [N/m], [N m/rad], of Newton's step
 CREEP = 1e-7  # of a leg's own compliance, where a foot cannot give way along the floor
-
-Give = Callable[[Array, Array, Array | None], tuple[Array, Array, Array]]
-"""Angles by which torques (B, F, J) turn the joints of lanes (B,), and their slope.
-
-Joints with backlash are at its stops, -1 or 1, or between, 0: where they are taken to
-be, (B, F, J), else where they belong, and third where these angles lie.
-"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +59,15 @@ class Contact(Lanes):
     friction: Array  # mu, (B, F, K)
     wrench: Array  # on the body, w, (B, 6) [N], [N m]
     inertia: Array  # M, over the square of the time, (B, 6, 6)
-    side: Array | None = None  # stops at which joints are at first, (B, F, J)
+    side: Array | None = None  # of their backlash where joints are at first, (B, F, J)
+    number: Array | None = None  # of the lane, for `Give`, (B,), int
+
+
+Give = Callable[[Contact, Array], tuple[Array, Array, Array]]
+"""Angles by which torques (B, F, J) turn the joints, their slope, and joints' sides.
+
+Sides are -1 or 1 at a stop, else 0; the angles are those on `contact.side`, if given.
+"""
 
 
 class Found(NamedTuple):
@@ -97,18 +97,11 @@ def equilibrium(
         if not len(left):
             break
         guess = twist[left] * (attempt % 2)
-        law = give and partial(_of_lanes, give, left)
-        again = _newton(contact.take(left), guess, force[left], scale, law)
+        again = _newton(contact.take(left), guess, force[left], scale, give)
         better = again.error < found.error[left]
         for mine, new in zip(found, again, strict=True):
             mine[left[better]] = new[better]
     return found
-
-
-def _of_lanes(
-    give: Give, some: Array, torque: Array, lanes: Array, side: Array | None
-) -> tuple[Array, Array, Array]:
-    return give(torque, some[lanes], side)
 
 
 def motion(
@@ -150,8 +143,8 @@ def _newton(
 ) -> Found:
     """Newton's method on one scale; lanes that are done are left out.
 
-    Joints go to or from their stops at every third step, when feet have settled, for
-    they are thousands of times as soft in between: they would go to and fro for ever.
+    Joints go to or from their stops when feet have settled: as they are thousands of
+    times as soft in between, they would go to and fro for ever.
     """
     best = Found(twist.copy(), force.copy(), np.full(len(twist), np.inf))
     lanes = np.arange(len(twist))
@@ -162,10 +155,9 @@ def _newton(
         turning = give is None or (step > 0 and step % EVERY == 0)
         if give is not None:
             torque = torque_of(contact.lever, force)
-            turned, slope, side = give(torque, lanes, contact.side)
             if turning:
-                contact = replace(contact, side=side)
-                turned, slope, side = give(torque, lanes, contact.side)
+                contact = replace(contact, side=give(contact, torque)[2])
+            turned, slope, side = give(contact, torque)
             settled = np.all(side == contact.side, axis=(1, 2))
             compliance = _compliance(contact, slope)
             law = _Law.of(contact, compliance, scale)
@@ -266,7 +258,7 @@ def _step(
     """
     A, Q = _derivatives(contact, law, state)
     points = contact.gap.shape[-1]
-    QD, QG = _blocks(Q, compliance), _blocks(Q, contact.reach)
+    QD, QG = blocks(Q, compliance), blocks(Q, contact.reach)
     block = QD.reshape(*QD.shape[:2], points, 3, points, 3)
     each = np.arange(points)
     block[:, :, each, :, each] += np.moveaxis(A, 2, 0)
@@ -281,10 +273,10 @@ def _step(
     return dx[..., 0], df[..., 0]
 
 
-def _blocks(Q: Array, other: Array) -> Array:
+def blocks(Q: Array, other: Array) -> Array:
     """Blocks (B, F, K, 3, 3) on the diagonal times matrices (B, F, n, m)."""
     shape = other.shape
-    rows = other.reshape(*shape[:2], Q.shape[2], 3, shape[3])
+    rows = other.reshape(*shape[:2], -1, 3, shape[3])
     return (Q @ rows).reshape(shape)
 
 

@@ -26,6 +26,7 @@ from sim.compliant.equilibrium import (
     Found,
     Give,
     Lanes,
+    blocks,
     equilibrium,
     motion,
     torque_of,
@@ -125,6 +126,7 @@ class Mechanics:
             wrench=wrench + (inertia @ coast[..., None])[..., 0],
             inertia=inertia,
             side=_side(robots, state.loose),
+            number=np.arange(len(h)),
         )
         give = _give(robots, state, spring, heavy, h)
         found = _solved(contact, coast, state.force, give, _grip(robots, places))
@@ -132,7 +134,7 @@ class Mechanics:
         if give is None:
             shift, loose = contact.yield_ * pulled, state.loose
         else:
-            shift = give(pulled, np.arange(len(h)), None)[0]
+            shift = give(replace(contact, side=None), pulled)[0]
             loose = _loosened(robots, state, pulled + heavy, h)[0]
         u = motion(contact, found.twist, found.force, shift)
         angles = rest + shift - (loose - state.loose)
@@ -178,19 +180,12 @@ def _solved(
     """The equilibrium; ellipses D of friction become discs for D u and D^-1 f."""
     if grip is None:
         return equilibrium(contact, twist, force, give)
-    turned = ("reach", "lever", "drift")
-    rows = {name: _gripped(grip, getattr(contact, name)) for name in turned}
-    own = replace(contact, **rows)
-    eased = np.linalg.solve(grip[:, :, None], force[..., None])[..., 0]
-    found = equilibrium(own, twist, eased, give)
-    real = (grip[:, :, None] @ found.force[..., None])[..., 0]
-    return found._replace(force=real)
-
-
-def _gripped(grip: Array, rows: Array) -> Array:
-    """Ellipses times the motion of every point, (B, F, 3 K, ...)."""
-    parts = rows.reshape(*rows.shape[:2], -1, 3, int(np.prod(rows.shape[3:])))
-    return (grip[:, :, None] @ parts).reshape(rows.shape)
+    D = grip[:, :, None]
+    turned = {name: blocks(D, getattr(contact, name)) for name in ("reach", "lever")}
+    drift = blocks(D, contact.drift[..., None])[..., 0]
+    eased = np.linalg.solve(D, force[..., None])[..., 0]
+    found = equilibrium(replace(contact, drift=drift, **turned), twist, eased, give)
+    return found._replace(force=(D @ found.force[..., None])[..., 0])
 
 
 class _Spring(NamedTuple):
@@ -220,9 +215,8 @@ def _give(
     if not robots.slack.any() and not np.isfinite(robots.torque).any():
         return None
 
-    def law(
-        torque: Array, lanes: Array, side: Array | None
-    ) -> tuple[Array, Array, Array]:
+    def law(contact: Contact, torque: Array) -> tuple[Array, Array, Array]:
+        lanes, side = np.asarray(contact.number), contact.side
         own = robots.take(lanes)
         whole = torque + heavy[lanes]
         loose, slope = _loosened(own, state.take(lanes), whole, h[lanes], side)

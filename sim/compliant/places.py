@@ -35,12 +35,8 @@ class Places:
     @property
     def reach(self) -> Array:
         """Motion of the points by the body's twist, (B, F, 3 K, 6)."""
-        x, y, z = np.moveaxis(self.arm, -1, 0)
-        G = np.zeros((*self.arm.shape, 6))
-        G[..., 0, 0] = G[..., 1, 1] = G[..., 2, 2] = 1.0
-        G[..., 0, 4], G[..., 0, 5] = z, -y
-        G[..., 1, 3], G[..., 1, 5] = -z, x
-        G[..., 2, 3], G[..., 2, 4] = y, -x
+        moved = np.broadcast_to(np.eye(3), (*self.arm.shape, 3))
+        G = np.concatenate([moved, -skew(self.arm)], axis=-1)
         return G.reshape(*G.shape[:2], -1, 6)
 
     def weight_torque(self, anatomy: Anatomy, gravity: Array) -> Array:
