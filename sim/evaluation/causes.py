@@ -2,12 +2,15 @@
 
 Each finder looks for one cause in what was measured and gives a sentence, or nothing.
 The first that finds something is believed, so what would spoil any walk comes first.
+`causes.toml` has the sentences.
 """
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from importlib.resources import files
 from math import tan
 
 import numpy as np
@@ -28,7 +31,7 @@ FULL = 0.01  # of all steps in which a servo may give all it has
 LIGHT = 0.2  # of a motor's inertia; joints with less chatter
 BENT = 0.03  # [rad] on average, by which a servo lags behind its command
 RATTLED = 5  # bounces a touchdown; zeros and backlash of a few degrees make up to 3
-LIST = "what is left is listed by phase in the report (error_sources)"
+SAID = tomllib.loads((files("sim.evaluation") / "causes.toml").read_text())
 
 
 @dataclass(frozen=True)
@@ -68,11 +71,15 @@ def likely_cause(word: str, evidence: Evidence) -> str:
     return next(filter(None, (find(evidence) for find in FINDERS[word])), "")
 
 
+def say(cause: str, kind: str = "", **facts: object) -> str:
+    """A sentence about a cause, of a kind if there are several."""
+    sentence: str = SAID[cause][kind] if kind else SAID[cause]
+    return sentence.format(**facts)
+
+
 def _touching(evidence: Evidence) -> str:
-    if evidence.walk.recording.wall_contacts:
-        return "plan at a greater distance from obstacles (min_clearance)"
-    twice = 2 * evidence.walk.setup.scenario.segments
-    return f"more segments swing the legs less (--segments {twice})"
+    touched = "obstacles" if evidence.walk.recording.wall_contacts else "legs"
+    return say(touched, twice=2 * evidence.walk.setup.scenario.segments)
 
 
 def _on_paper(evidence: Evidence) -> str:
@@ -81,28 +88,23 @@ def _on_paper(evidence: Evidence) -> str:
     share = evidence.on_paper(judge)
     if scenario.replan or share <= (evidence.weighed.goal or 0.0) / 2:
         return ""
-    planned = f"the plan itself misses it by {100 * share:.1f} % on paper"
     groups = evidence.walk.setup.robot.card.groups.values()
     if scenario.fields == "paper" and not any(group.twist for group in groups):
         # a card that gives twists claims them as the paper does
-        return f"{planned}, as feet that are never lifted drag: --set fields=lifted"
+        return say("on_paper", "dragging", percent=100 * share)
     followed = prediction_key(scenario.steer) == judge
     if followed or evidence.on_paper(IDEAL.key) > share / 2:
-        twice = f"walk it in more segments (--segments {2 * scenario.segments})"
-        return f"{planned}: {twice}, or plan again on the way (--replan)"
+        twice = 2 * scenario.segments
+        return say("on_paper", "coarse", percent=100 * share, twice=twice)
     label = PREDICTIONS[judge].label
-    return (
-        f"{planned}, since its legs do not move the body as the ideal fields have it: "
-        f"--steer {label} finds a plan if they can go there at all"
-    )
+    return say("on_paper", "other", percent=100 * share, label=label)
 
 
 def _scaled_down(evidence: Evidence) -> str:
     if not (count := evidence.walk.saturated_segments):
         return ""
     segments = evidence.walk.setup.scenario.segments
-    which = f"{count} of {segments} segments were scaled down to the joint range"
-    return f"{which}: walk in more of them (--segments {2 * segments})"
+    return say("scaled_down", count=count, segments=segments, twice=2 * segments)
 
 
 def _never_loaded(evidence: Evidence) -> str:
@@ -114,10 +116,7 @@ def _never_loaded(evidence: Evidence) -> str:
     worst = int(share.argmin())
     if share[worst] > CARRIED:
         return ""
-    return (
-        f"the foot of leg {legs[worst]} never carried load: correct "
-        "its angles in keyframe 'start', or what it is to lift over (lift_height)"
-    )
+    return say("never_loaded", leg=legs[worst])
 
 
 def _steep(evidence: Evidence) -> str:
@@ -125,14 +124,11 @@ def _steep(evidence: Evidence) -> str:
     scenario = evidence.walk.setup.scenario
     friction = float(np.mean(scenario.foot_friction or scenario.friction))
     if not friction:
-        return "there is no friction, so feet slide and the body stays: raise friction"
+        return say("no_friction")
     if scenario.slope is None:
         return ""
     used = tan(scenario.slope[0]) / friction
-    if used <= USED_UP:
-        return ""
-    taken = f"standing takes {100 * used:.0f} % of the friction"
-    return f"the floor leans so far that {taken}: raise friction, or lower slope"
+    return say("steep", percent=100 * used) if used > USED_UP else ""
 
 
 def _at_limits(evidence: Evidence) -> str:
@@ -143,11 +139,7 @@ def _at_limits(evidence: Evidence) -> str:
     if share <= FULL:
         return ""
     most = walk.setup.model.actuator_forcerange[drives[joint], 1]
-    return (
-        f"the servo of joint {joint!r} gave all its {most:.3g} N m in "
-        f"{100 * share:.0f} % of the time: take stronger servos (servo), carry less, "
-        "or walk slower (swing_speed)"
-    )
+    return say("at_limits", joint=joint, most=most, percent=100 * share)
 
 
 def _bouncing(evidence: Evidence) -> str:
@@ -160,22 +152,15 @@ def _bouncing(evidence: Evidence) -> str:
         return ""
     leg = robot.leg_cards[int(bounces.argmax())]
     joints = leg.swing, leg.lift
-    names = " and ".join(map(repr, joints))
-    often = f"feet bounced {bounces.sum()} times, most often the one on joints {names}"
+    often = {"count": bounces.sum(), "names": " and ".join(map(repr, joints))}
     if (share := inertia_share(robot, setup.model, joints)) < LIGHT:
-        return (
-            f"{often}, which have {100 * share:.0f} % of the inertia of a motor that "
-            "could carry the robot: give them that of their rotors (armature)"
-        )
+        return say("bouncing", "light", percent=100 * share, **often)
     drives = [evidence.drives[joint] for joint in joints]
     stiffness = float(setup.model.actuator_gainprm[drives, 0].max())
     pace = f"a timestep of {1e3 * setup.limits.timestep:g} ms"
     if setup.servo.rate:
         pace = f"{setup.servo.rate:g} commands a second"
-    return (
-        f"{often}, whose servos of {stiffness:.4g} N m/rad are too stiff for {pace}: "
-        "soften or damp them (servo_stiffness, servo_damping), or shorten the timestep"
-    )
+    return say("bouncing", "stiff", stiffness=stiffness, pace=pace, **often)
 
 
 def _soft(evidence: Evidence) -> str:
@@ -191,11 +176,8 @@ def _soft(evidence: Evidence) -> str:
     if bent[worst] <= BENT:
         return ""
     stiffness = model.actuator_gainprm[drives[worst], 0]
-    return (
-        f"the servo of joint {names[worst]!r}, of {stiffness:.4g} N m/rad, is "
-        f"{1e3 * bent[worst]:.0f} mrad off its commands on average: stiffen it "
-        "(servo_stiffness), or let commands make up for it (feed_forward)"
-    )
+    joint, mean = names[worst], 1e3 * bent[worst]
+    return say("soft", joint=joint, stiffness=stiffness, bent=mean)
 
 
 def _hasty(evidence: Evidence) -> str:
@@ -206,10 +188,7 @@ def _hasty(evidence: Evidence) -> str:
     held = scenario.friction * float(np.linalg.norm(setup.model.opt.gravity))
     if speeds_up <= USED_UP * held:
         return ""
-    return (
-        f"strokes speed up by {speeds_up:.2g} m/s2 at the feet, and friction holds "
-        f"{held:.2g}: lower swing_acceleration, or raise friction"
-    )
+    return say("hasty", speeds_up=speeds_up, held=held)
 
 
 def _unknown(evidence: Evidence) -> str:
@@ -217,10 +196,8 @@ def _unknown(evidence: Evidence) -> str:
     scenario, judge = evidence.walk.setup.scenario, evidence.weighed.prediction
     if not (names := PREDICTIONS[judge].ignored(scenario)):
         return ""
-    step = "plan again on the way (--replan), or walk twice (--correct 2)"
-    if scenario.replan or scenario.correct > 1:
-        step = "leave them out one at a time, to see which it is"
-    return f"plan and prediction know nothing of {names}: {step}"
+    tried = scenario.replan or scenario.correct > 1
+    return say("still_unknown" if tried else "unknown", names=names)
 
 
 def _source(evidence: Evidence) -> str:
@@ -234,7 +211,7 @@ def _source(evidence: Evidence) -> str:
         for name, (x, y, turn) in parts.items()
     }
     worst = max(size, key=size.__getitem__)
-    return f"most of it arose in {worst!r}; {LIST}" if size[worst] else ""
+    return say("source", worst=worst) if size[worst] else ""
 
 
 Finder = Callable[[Evidence], str]
