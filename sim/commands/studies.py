@@ -11,6 +11,8 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from sim.commands import options as cli
 from sim.endings import again, keeping
 from sim.errors import ExitCode, UsageError
@@ -25,6 +27,7 @@ from sim.sweeps.file import read_sweep
 from sim.sweeps.folder import Shard, claim
 from sim.sweeps.ledger import software
 from sim.sweeps.table import write_table
+from sim.templates import render
 
 PRINTED = 5  # reasons of failed points, at most
 PAGES = (".html", ".htm")
@@ -141,30 +144,17 @@ def design(options: argparse.Namespace) -> None:
     if options.out is not None:
         about = {"robot": options.robot, "software": software()}
         write_table(Path(options.out), rows, about)
-    cli.report(options, rows, *_table(rows))
+    cli.report(options, rows, render("designs.txt", designs=_by_joints(rows)))
 
 
-def _table(rows: list[Mapping[str, Any]]) -> Iterator[str]:
-    """By the number of joints: designs, where they go, and the best that walked."""
+def _by_joints(rows: list[Mapping[str, Any]]) -> Iterator[tuple[object, ...]]:
+    """Designs, where they go, all that go everywhere, walks and the best of these."""
     by_joints = defaultdict(list)
     for row in rows:
         by_joints[row["joints"]].append(row)
-    yield (
-        f"{'joints':>6}{'designs':>9}{'ahead':>7}{'aside':>7}{'round':>7}{'all':>6}"
-        f"{'walked':>8}{'strokes/m':>11}{'margin':>9}{'off':>8}  best design"
-    )
     for joints, some in sorted(by_joints.items()):
+        goes = np.array([[row[f"goes.{way}"] for way in DIRECTIONS] for row in some])
         walked = [row for row in some if row.get("min_margin") is not None]
-        ways = [sum(row[f"goes.{way}"] for row in some) for way in DIRECTIONS]
-        able = sum(all(row[f"goes.{way}"] for way in DIRECTIONS) for row in some)
-        line = (
-            f"{joints:6}{len(some):9}{ways[0]:7}{ways[1]:7}{ways[2]:7}{able:6}"
-            f"{len(walked):8}"
-        )
-        if walked:
-            best = min(walked, key=lambda row: row["strokes_per_metre"])
-            line += (
-                f"{best['strokes_per_metre']:11.1f}{1e3 * best['min_margin']:6.1f} mm"
-                f"{best['farthest_per_path']:8.1%}  {best['groups']}"
-            )
-        yield line
+        best = min(walked, key=lambda row: row["strokes_per_metre"], default=None)
+        able = goes.all(axis=1).sum()
+        yield joints, len(some), goes.sum(axis=0), able, len(walked), best
