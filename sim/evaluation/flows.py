@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from math import isfinite
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, get_type_hints
 
 from sim.folder import csv_rows, csv_text
 
@@ -24,12 +24,8 @@ class WalkedPhase(NamedTuple):
     as_planned: bool  # contacts
 
 
-KINDS: dict[str, Callable[[str], Any]] = {  # of the columns
-    **dict.fromkeys(WalkedPhase._fields, str),
-    **dict.fromkeys(("start", "end", "amount", "slip"), float),
-    "segment": int,
-    "as_planned": lambda text: text == "1",
-}
+KINDS: dict[str, Callable[[str], Any]]  # readers of the columns
+KINDS = get_type_hints(WalkedPhase) | {"as_planned": "1".__eq__}
 COLUMNS = ("index", *WalkedPhase._fields)
 
 

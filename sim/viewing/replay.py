@@ -25,6 +25,7 @@ from sim.pictures.clock import FRAME_RATE, clock
 from sim.pictures.drawing import CORNERS
 from sim.pictures.legend import entries
 from sim.runs.run import Run, read_run
+from sim.templates import render
 from sim.viewing.marks import landings, middle_and_extent, support, thinned
 
 if TYPE_CHECKING:
@@ -37,15 +38,6 @@ Mesh = tuple[Array, Array]  # corners (N, 3) [m] and faces (M, 3)
 KIND = mujoco.mjtGeom
 ROUND_SIDES = 20  # of what is round
 TORSO = 0.35  # opacity, so that the paths below are seen
-BOX = (
-    "position: fixed; top: 12px; right: 12px; max-width: 45vw; padding: 8px 12px; "
-    "border-radius: 6px; background: rgba(255, 255, 255, 0.85); "
-    f"color: {palette.TEXT.hex}; font: 13px/1.6 system-ui, sans-serif"
-)
-SWATCH = (
-    "display: inline-block; width: 14px; height: 6px; margin-right: 6px; "
-    "vertical-align: middle; background: {}"
-)
 INSTALL = "pip install 'stratawalk[replay]'"
 
 
@@ -96,15 +88,10 @@ def _explained(page: str, walk: Run, playback: float) -> str:
     """The page under a title of its own, with a key of its colours to fold up."""
     before, _, rest = page.partition("<title>")
     body, end, after = rest.partition("</title>")[2].rpartition("</body>")
-    lines = "".join(
-        f'<div><span style="{SWATCH.format(colour.hex)}"></span>{escape(label)}</div>'
-        for label, colour in entries(walk)
-    )
-    name = escape(walk.scenario.name)
-    speed = "in real time" if playback == 1 else f"{playback:g} times real time"
-    summary = f"<summary>{name}, {speed}</summary>"
-    key = f'<details open style="{BOX}">{summary}{lines}</details>'
-    return f"{before}<title>{name}, a replay</title>{body}{key}\n{end}{after}"
+    name, ink = walk.scenario.name, palette.TEXT
+    known = {"name": name, "playback": playback, "ink": ink, "entries": entries(walk)}
+    title = f"<title>{escape(name)}, a replay</title>"
+    return f"{before}{title}{body}{render('replay_key.html', **known)}\n{end}{after}"
 
 
 class _Robot:
