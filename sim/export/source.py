@@ -1,8 +1,7 @@
 """Exports: their source, a run folder or a new walk, their files, and their playback.
 
-Formats are angles or ticks in CSV, the YAML of ROS 2, and a C header of pulses, which
-`header` writes. Each reader takes what its writer wrote, and any other text is a
-ValueError. A joint that leaves its servo's range is a UsageError.
+Each reader takes what its writer wrote, and any other text is a ValueError. A joint
+that leaves its servo's range is a UsageError.
 """
 
 from __future__ import annotations

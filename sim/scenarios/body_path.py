@@ -1,8 +1,7 @@
 """Nominal paths of the body that a scenario can name: line, ellipse and others.
 
 A path is a callable of s in [0, 1] that returns the pose (x [m], y [m], yaw [rad]) in
-the frame of the start pose; yaw is continuous, not wrapped. The planner provides the
-curves, divides them into segments and follows them. A table of poses may be a CSV file.
+the frame of the start pose, yaw not wrapped. The planner provides the curves.
 """
 
 from __future__ import annotations

@@ -2,8 +2,7 @@
 
 A kind is a type, such as `bool`, `Literal["ideal", "own"]`, `tuple[float, ...]` or a
 union of these, in which numbers are `Annotated` with a `Range` and text may be with a
-`Text`. The settings themselves are declared in `scenarios.settings`. The tables of
-paths and of obstacles hold values of kinds, too; their own `kind` decides their keys.
+`Text`. The tables of paths and of obstacles hold values of kinds, too.
 """
 
 from __future__ import annotations

@@ -1,8 +1,4 @@
-"""Scenarios as TOML files: reading them by name or path, and writing them.
-
-A file may leave out every setting that has a default. A text that is written contains
-all settings, so that reading it gives the same scenario.
-"""
+"""Scenarios as TOML files: reading them by name or path, and writing them whole."""
 
 from __future__ import annotations
 
@@ -137,9 +133,8 @@ def _learnt(path: Path) -> object:
 def anchor(table: Values, folder: Path) -> None:
     """Make the files that a scenario names findable from wherever it is read next."""
     _anchor(table, "robot", folder, ".xml")
-    _anchor(table, "learnt", folder)
-    _anchor(table, "motion", folder)
-    _anchor(table, "path.file", folder)
+    for key in ("learnt", "motion", "path.file"):
+        _anchor(table, key, folder)
     if isinstance(table.get("path"), dict):
         _anchor(table["path"], "file", folder)
 
