@@ -90,6 +90,10 @@ OF_WALKS = (
     WRONG,
     CLAIMED,
     Quantity("feedback.bound", "least error", "mm", 1e3, 2),
+    Quantity(
+        "error.measured.position", "off the measured body, at the end", "mm", 1e3, 2
+    ),
+    Quantity("error.measured.farthest", "off the measured body, at most", "mm", 1e3, 2),
     *(
         Quantity(f"measured.{key}", f"off the measured {name}", "degrees", DEGREES, 2)
         for key, name in (

@@ -28,7 +28,7 @@ from models.contact import UPRIGHT
 from models.motion import FailedField, MeasuredField
 from planner import Array, Flow
 from sim.errors import SimulationError
-from sim.motion.poses import relative, tilt
+from sim.motion.poses import relative, tilt, trail
 from sim.motion.schedule import Scheduler
 from sim.physics.recording import Moments, recorded
 from sim.preparation.scheduling import check_effort
@@ -235,13 +235,7 @@ def _size(poses: Array, arm: float) -> Array:
 def _integrated(field: MeasuredField, ways: Array) -> Array:
     """Poses along a field from way zero on, shape (T, 3)."""
     middle, step = (ways[1:] + ways[:-1]) / 2, np.diff(ways)
-    forward, left, turn = np.moveaxis(field(middle), -1, 0)
-    yaw = np.concatenate([[0.0], np.cumsum(turn * step)])
-    along = (yaw[1:] + yaw[:-1]) / 2
-    cos, sin = np.cos(along), np.sin(along)
-    x = np.cumsum((forward * cos - left * sin) * step)
-    y = np.cumsum((forward * sin + left * cos) * step)
-    return np.stack([np.append(0.0, x), np.append(0.0, y), yaw], axis=1)
+    return trail(field(middle) * step[:, None])
 
 
 def creep_floor(setup: Setup, duration: float) -> float:

@@ -25,7 +25,7 @@ from models.contact import (
     static_loads,
 )
 from planner import Array
-from sim.motion.poses import rotate
+from sim.motion.poses import trail
 
 LIFTED = 0.02  # of the highest lift, from which on a foot is in the air
 LEAST_LIFT = 5e-4  # [m]
@@ -162,8 +162,5 @@ def moved(
         stance = Stance(own, by, found.gives[there], found.feet[there][..., 2], weight)
         twist[rows] = step * sliding_twist(stance, by / step, below, 1.0)[0]
     speed = np.linalg.norm(foot_velocities(middle, shift, twist), axis=-1)
-    yaw = np.append(0.0, np.cumsum(twist[:, 2]))
-    way = rotate(twist[:, :2], (yaw[1:] + yaw[:-1]) / 2)
-    place = np.vstack([np.zeros(2), np.cumsum(way, axis=0)])
     slip = np.vstack([np.zeros(on.shape[1]), np.cumsum(np.where(on, speed, 0), axis=0)])
-    return np.column_stack([place, yaw]), slip
+    return trail(twist), slip

@@ -64,6 +64,13 @@ def rotate(points: Array, angle: Array | float) -> Array:
     return np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)
 
 
+def trail(steps: Array) -> Array:
+    """Poses (N + 1, 3) on a way of small steps (N, 3) in the body's frame."""
+    yaw = np.append(0.0, np.cumsum(steps[:, 2]))
+    ways = rotate(steps[:, :2], (yaw[1:] + yaw[:-1]) / 2)
+    return np.column_stack([np.vstack([np.zeros(2), np.cumsum(ways, axis=0)]), yaw])
+
+
 def nearest_turn(yaw: float, to: float) -> float:
     """A yaw plus the number of full turns that brings it closest to another yaw."""
     return float(to + wrap(yaw - to))
