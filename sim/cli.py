@@ -1,7 +1,4 @@
-"""The command `stratawalk`: parses its arguments and executes a command.
-
-Errors end it with one line and an exit code. The commands are in `sim.commands`.
-"""
+"""The command `stratawalk`; errors end it with one line and an exit code."""
 
 from __future__ import annotations
 
@@ -27,14 +24,7 @@ from sim.pictures import gl
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command.
-
-    Args:
-        arguments: Words of the command line; None takes those of the process.
-
-    Returns:
-        Exit code, `errors.ExitCode`.
-    """
+    """Run a command line, that of the process if None is given; its exit code."""
     words = list(sys.argv[1:] if arguments is None else arguments)
     begin(words)
     gl.choose()

@@ -36,24 +36,15 @@ class StratawalkError(Exception):
     exit_code: ClassVar[ExitCode]
 
     def __init__(self, what: str, where: str, remedy: str) -> None:
-        """Compose the line.
-
-        Args:
-            what: What is wrong, with the value.
-            where: File, option, flow or time it is wrong at.
-            remedy: What to do about it.
-        """
+        """Say what is wrong, with its value; the file, option or time; what to do."""
         self.what, self.where, self.remedy = what, where, remedy
         super().__init__(f"{what}: {where}; {remedy}")
 
     @classmethod
     def at(cls, where: str, error: Exception, remedy: str = "") -> Self:
-        """What a function says of its arguments, `what; what to do`, with the place.
+        """What a function says of its arguments, which come from a place.
 
-        Args:
-            where: File, option or setting that the arguments come from.
-            error: Its error.
-            remedy: What to do where it does not say so.
+        It says `what; what to do`, or without the latter the remedy is taken.
         """
         what, _, advice = str(error).partition("; ")
         return cls(what, where, advice or remedy)

@@ -1,7 +1,4 @@
-"""The folder of a run, in which every file is written completely or not at all.
-
-A file appears under its name only when it is complete and on the disk.
-"""
+"""The folder of a run: files appear under their names once complete and on the disk."""
 
 from __future__ import annotations
 
@@ -182,10 +179,7 @@ def _next_free(parent: Path, name: str) -> Path:
 
 @contextmanager
 def blamed_on(place: Path, remedy: str = "") -> Iterator[None]:
-    """Refuse a finished run whose files are damaged, whatever goes wrong with them.
-
-    Or another place, with a remedy of its own.
-    """
+    """Refuse a finished run, or another place, in whose files anything goes wrong."""
     try:
         yield
     except Exception as error:

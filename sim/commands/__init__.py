@@ -1,4 +1,1 @@
-"""The commands of `stratawalk`, each a function that `options.command` declares.
-
-Slow imports take place when a command is executed.
-"""
+"""The commands of `stratawalk`: functions, whose modules are loaded as one executes."""

@@ -54,7 +54,6 @@ def calibrate(options: argparse.Namespace) -> None:
 
 
 def _kind(robot: Robot) -> ServoKind:
-
     card = robot.card.servo
     if card is not None and card.made:
         return KNOWN_SERVOS[card.made.lower()].with_numbers(card.data)

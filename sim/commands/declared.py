@@ -1,7 +1,4 @@
-"""The command line as `commands.toml` declares it: commands, options and their readers.
-
-`commands.parsing` parses with it; `commands.options` is what commands share.
-"""
+"""The command line as `commands.toml` declares it: commands, options, their readers."""
 
 from __future__ import annotations
 

@@ -118,19 +118,18 @@ def _system(options: argparse.Namespace, progress: Progress) -> Outcome:
         chained = wanted.flat is not None and not by_elements
         segments = 1 if chained and options.segments is None else options.segments
         changes = {
+            key: getattr(options, key) for key in ("elements", "degree", "words")
+        }
+        changes |= {
             "start": options.start and coordinates(options.start, "--start"),
             "goal": options.goal and coordinates(options.goal, "--goal"),
             "segments": segments,
-            "elements": options.elements,
-            "degree": options.degree,
-            "words": options.words,
             "gait": options.gait and tuple(options.gait),
             "in_gait": bool(options.gait) or None,
         }
         try:
-            wanted = replace(
-                wanted, **{k: v for k, v in changes.items() if v is not None}
-            )
+            given = {k: v for k, v in changes.items() if v is not None}
+            wanted = replace(wanted, **given)
         except StratumError as error:
             raise ValueError(str(error)) from error
         objective = options.optimise or "none"

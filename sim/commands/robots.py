@@ -123,10 +123,7 @@ def identify(options: argparse.Namespace) -> None:
 
 
 def fields(setup: Setup, progress: Progress) -> list[dict[str, Any]]:
-    """Every loaded field: measured, quasi-static and ideal twists along its swing.
-
-    A field that could not be measured has nulls, and the reason.
-    """
+    """Twists of every loaded field along its swing; nulls and a reason without."""
     from sim.experiments.identification import MODELS, identify, twist_model
 
     identified = identify(setup, progress)

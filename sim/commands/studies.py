@@ -17,7 +17,7 @@ from sim.commands import options as cli
 from sim.endings import again, keeping
 from sim.errors import ExitCode, UsageError
 from sim.folder import RunFolder, blamed_on, ensure_folder
-from sim.progress import bar, stage
+from sim.progress import bar
 from sim.scenarios.predictions import prediction_key
 from sim.studies import maps
 from sim.studies.designing import DIRECTIONS, designs, tried
@@ -107,11 +107,8 @@ def study(options: argparse.Namespace) -> None:
         raise UsageError("neither folder nor page", str(out), "end it with .html")
     results = read_results(given, prediction_key(options.prediction))
     folder = ensure_folder(out.parent if paged else out)
-    with (
-        bar(quiet=options.json) as progress,
-        stage(progress, "drawing maps"),
-        blamed_on(given, "give the table that a sweep has written"),
-    ):
+    remedy = "give the table that a sweep has written"
+    with cli.working(options, "drawing maps"), blamed_on(given, remedy):
         found = findings(results)
         if paged:
             text = maps.page(results.fitted(), found, given, folder)

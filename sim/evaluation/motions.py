@@ -137,10 +137,7 @@ def measured_along(walk: Walk, predicted: Mapping[str, Prediction]) -> Measured 
 
 
 def clearances(walk: Walk, predicted: Mapping[str, Prediction]) -> dict[str, Array]:
-    """Clearance of the robot's outline at every moment, shape (T,) each [m].
-
-    That of what was achieved and of every prediction; empty without obstacles.
-    """
+    """Clearance, achieved and predicted, (T,) each [m]; empty without obstacles."""
     if not walk.setup.scenario.obstacles:
         return {}
     around = surroundings(walk.setup)

@@ -90,10 +90,7 @@ def _foresight(walk: Walk, prediction: Prediction) -> dict[str, Any]:
 
 
 def as_planned(walk: Walk, phase: Phase) -> bool:
-    """Whether the feet in contact were those that were planned, at all steps.
-
-    Feet that lift off or touch down during the phase are left out.
-    """
+    """Whether feet that neither lift nor land were in contact as planned throughout."""
     robot = walk.setup.robot
     planned = phase.planted(robot)
     asked = np.ones(len(planned), dtype=bool)

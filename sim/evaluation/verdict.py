@@ -1,7 +1,4 @@
-"""The verdict on a walk: the first word that applies, and a sentence.
-
-The sentence says where it ended, and what the likely cause is and the next step.
-"""
+"""The verdict on a walk: the first word that applies, where it ended, and the cause."""
 
 from __future__ import annotations
 

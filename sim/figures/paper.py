@@ -151,10 +151,7 @@ def swing_out(points: Array, ends: Array, nominal: Array) -> Array:
 
 
 def envelope(points: Array, ends: Array, goal: Sequence[float] | Array) -> Array:
-    """The farthest points of each segment to the right and left of a line from 0.
-
-    Points have shape (N, 2), the result (2, segments, 2): right, then left.
-    """
+    """Points farthest right and left of a line from 0, (2, segments, 2), of (N, 2)."""
     left = by_segment(points @ np.array([-goal[1], goal[0]]), ends)
     spans = list(zip(by_segment(points, ends), left, strict=True))
     return np.array([[p[c(off)] for p, off in spans] for c in (np.argmin, np.argmax)])

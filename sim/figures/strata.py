@@ -239,10 +239,7 @@ def draw_sheets(axes: Axes3D, span: tuple[float, float], top: float = 1.25) -> N
 
 
 def draw_way(axes: Axes, points: Array, strata: Sequence[str]) -> None:
-    """Draw a way through both sheets, coloured by the stratum of each of its steps.
-
-    Points hold the further coordinate and the heights of feet 1 and 2, shape (N, 3).
-    """
+    """Draw points (anything, height 1, height 2), (N, 3), in colours of the strata."""
     changes = np.flatnonzero(np.array(strata[1:]) != strata[:-1]) + 1
     for begin, end in pairwise([0, *changes, len(strata)]):
         colour = STRATA[strata[begin]]

@@ -79,10 +79,7 @@ def extremes(values: Array, segment: Array) -> tuple[Array, Array]:
 def band(
     axes: Axes, low: Array, high: Array, colour: str, alpha: float, label: str
 ) -> None:
-    """Fill between the least and the largest value within each segment.
-
-    A line through all values of many segments would be a solid comb.
-    """
+    """Fill between extremes of segments; a line through all values would be a comb."""
     segment = np.arange(1, len(low) + 1)
     style: Style = {"color": colour, "alpha": alpha, "label": label}
     axes.fill_between(segment, low, high, step="mid", linewidth=0.4, **style)

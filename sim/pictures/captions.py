@@ -171,10 +171,7 @@ def _lamp(draw: Draw, foot: int, leg: str, colour: Colour, touches: bool) -> Non
 
 
 def describe(flow: WalkedPhase, groups: Sequence[str], legs_per_group: int) -> str:
-    """One clause for each group, those that do the same named together.
-
-    For example `tripod 1 stands, tripod 2 swings in the air`.
-    """
+    """A clause for groups that do the same: `tripod 1 stands, tripod 2 lifts`."""
     doing: dict[str, list[str]] = {}
     for group in groups:
         rests = group not in flow.group or flow.kind == "hold"

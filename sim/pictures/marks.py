@@ -53,10 +53,7 @@ FADING = ((0.25, None), (0.45, 8 * FRAME_RATE), (0.75, 3 * FRAME_RATE))
 
 
 def marks(walk: Run, clock: Clock, frames: range) -> tuple[Mark, ...]:
-    """All marks but the grid, the lowest first.
-
-    What moves with the robot is drawn for the given frames only.
-    """
+    """All marks but the grid, the lowest first; what moves is drawn for `frames`."""
     dash, width = DASH * walk.reach, NOMINAL.width * walk.reach
     nominal = dashes(walk.nominal[:, :2], dash, width)
     end, first, radius = walk.nominal[-1:, :2], [0], palette.GOAL * walk.reach

@@ -1,4 +1,1 @@
-"""Pages about finished runs, drawn from their run folders alone.
-
-`report.html` tells of one run, the page of `stratawalk compare` of several.
-"""
+"""Pages about finished runs, drawn from their folders: of one, and of several."""

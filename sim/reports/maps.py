@@ -58,10 +58,7 @@ def plan_view(run: Run) -> Drawing:
 
 
 def errors(run: Run) -> Iterator[Drawing]:
-    """Error off every other path along the nominal one, and across it.
-
-    Lines join the ends of segments; bands hold all that lies between.
-    """
+    """Errors along the nominal path and across it: ends of segments, and bands."""
     starts = stretches(run)
     last = np.append(starts[1:], len(run.time)) - 1
     length = MM * run.summary.path_length
