@@ -117,9 +117,7 @@ def _system(options: argparse.Namespace, progress: Progress) -> Outcome:
         by_elements = any(getattr(options, o) not in (None, []) for o in BY_ELEMENTS)
         chained = wanted.flat is not None and not by_elements
         segments = 1 if chained and options.segments is None else options.segments
-        changes = {
-            key: getattr(options, key) for key in ("elements", "degree", "words")
-        }
+        changes = {k: getattr(options, k) for k in ("elements", "degree", "words")}
         changes |= {
             "start": options.start and coordinates(options.start, "--start"),
             "goal": options.goal and coordinates(options.goal, "--goal"),
