@@ -16,6 +16,7 @@ from sim.sweeps.file import shipped_studies
 
 GROUP_ROWS = 10_000  # any other number gives other bytes
 UNPACKED = 5 * 10**8  # bytes of a table that is read, with all that it repeats once
+TEXT = 5  # times as much memory is taken by a byte of text
 MOST_VALUES = 4 * 10**7
 ABOUT = "stratawalk"  # key of the metadata
 Row = Mapping[str, object]
@@ -49,7 +50,9 @@ def read_table(path: Path) -> tuple[dict[str, list[object]], dict[str, Any]]:
     try:
         declared = parquet.read_metadata(path)
         groups = map(declared.row_group, range(declared.num_row_groups))
-        size = sum(group.total_byte_size for group in groups)
+        parts = [g.column(n) for g in groups for n in range(declared.num_columns)]
+        sizes = [(p.total_uncompressed_size, p.physical_type) for p in parts]
+        size = sum(n * (TEXT if kind == "BYTE_ARRAY" else 1) for n, kind in sizes)
         if size > UNPACKED or declared.num_rows * declared.num_columns > MOST_VALUES:
             count = f"{declared.num_rows} rows of {declared.num_columns} columns"
             raise ValueError(f"{count} with {size / 1e9:.2g} GB are too many")

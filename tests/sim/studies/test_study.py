@@ -204,8 +204,8 @@ FOREIGN = {
         "100000 rows of 401 columns with ",
     ),
     "a thousand times its size": (
-        foreign({"x": ["x" * 10**7]}),
-        "1 rows of 1 columns with 0.01 GB are too",
+        foreign({"x": ["x" * 3 * 10**5]}),
+        "1 rows of 1 columns with 0.0015 GB are too",
     ),
     "a word a row": (
         foreign(column("friction") | {"friction": [str(i) for i in range(3)]}),
