@@ -24,6 +24,7 @@ from planner.support import read_file
 
 FREE = re.compile(r"<freejoint|type=\"free\"")
 PACKAGE = r'package://([^/"]+)/([^"]+)'
+FILE = "file://"
 LIMITS = ROBOT._replace(seconds=10)  # much is to be tried with it afterwards
 PARENTS = 4  # folders above a URDF in which its packages are looked for
 ROOT = "adopted_world"  # link that a URDF's base floats in
@@ -124,7 +125,7 @@ def _in_package(folder: Path, name: re.Match[str]) -> str:
     """A file of a ROS package, above or beside the URDF, as a path from its folder."""
     for above in folder.resolve().parents[:PARENTS]:
         found = above.joinpath(*name.groups())
-        if found.is_file():
+        if os.path.isfile(found):
             return os.path.relpath(found, folder.resolve())
     return name.group()
 
@@ -171,12 +172,12 @@ def with_rods(path: Path, given: str, text: str) -> tuple[str, tuple[str, ...]]:
     absent = {
         id(mesh): name
         for mesh, name in zip(robot.iter("mesh"), names, strict=True)
-        if not _exists(path.parent, str(mesh.get("filename")))
+        if not os.path.exists(path.parent / mesh.get("filename", "").removeprefix(FILE))
     }
     if not absent:
         return text, ()
     ends = _ends(robot)
-    longest = max(_length(end) for found in ends.values() for end in found)
+    longest = max((_length(end) for found in ends.values() for end in found), default=0)
     for link in list(robot.iter("link")):
         shapes = [s for s in link if any(id(m) in absent for m in s.iter("mesh"))]
         for shape in shapes:
@@ -192,14 +193,6 @@ def with_rods(path: Path, given: str, text: str) -> tuple[str, tuple[str, ...]]:
         "there, or correct the feet"
     )
     return ET.tostring(robot, encoding="unicode"), (note,)
-
-
-def _exists(folder: Path, name: str) -> bool:
-    """Whether a name is taken, by a file or by what the inspection refuses."""
-    try:
-        return folder.joinpath(name.removeprefix("file://")).exists()
-    except ValueError:  # a zero byte
-        return False
 
 
 def _ends(robot: ET.Element) -> dict[str, list[Point]]:

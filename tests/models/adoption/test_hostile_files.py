@@ -18,6 +18,8 @@ CENTRE = '<origin xyz="0.1 0 0"/>'
 ABSENT = {
     "a mesh of a ROS package": "package://r/meshes/m.stl",
     "a mesh of another machine": "http://host/m.stl",
+    "a name that no file has": "x" * 300,
+    "a package that no folder has": f"package://{'x' * 300}/m.stl",
 }
 PYRAMID = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
 SENT = {
@@ -62,6 +64,13 @@ def test_a_urdf_opens_nothing_outside_its_folder_and_waits_for_no_pipe(
 def test_a_path_that_the_compiler_cuts_off_leads_nowhere(urdf):
     with pytest.raises(ModelError, match="opening file 'm.obj'"):
         source_of(str(urdf("../out/m.obj", strip="true")))
+
+
+def test_a_mesh_that_no_link_has_is_refused(urdf):
+    path = urdf("gone.obj")
+    path.write_text('<robot name="r"><mesh filename="gone.obj"/></robot>')
+    with pytest.raises(ModelError, match="not a usable URDF file"):
+        source_of(str(path))
 
 
 def test_a_urdf_that_is_trusted_opens_what_it_names(urdf):
