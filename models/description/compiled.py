@@ -34,6 +34,9 @@ QUATERNIONS = {int(mujoco.mjtJoint.mjJNT_FREE): 3, int(mujoco.mjtJoint.mjJNT_BAL
 DERIVED = re.compile("0$|^bvh_|^oct_|^geom_aabb|^geom_rbound|mass$|inertia$")
 WORDS = {"jnt": "joint", "tex": "texture", "cam": "camera", "mat": "material"}
 
+# What the engine warns of is counted by its data, and would be written to a file here.
+mujoco.set_mju_user_warning(lambda text: None)
+
 
 def check_text(path: Path) -> None:
     """Refuse a number outside comments that is not finite, and text not in UTF-8."""

@@ -13,6 +13,7 @@ from pyarrow import parquet
 from sim.errors import UsageError
 from sim.folder import whole
 from sim.sweeps.file import shipped_studies
+from sim.sweeps.folder import UNREADABLE
 
 GROUP_ROWS = 10_000  # any other number gives other bytes
 UNPACKED = 5 * 10**8  # bytes of a table that is read, with all that it repeats once
@@ -52,6 +53,7 @@ def read_table(path: Path) -> tuple[dict[str, list[object]], dict[str, Any]]:
         groups = map(declared.row_group, range(declared.num_row_groups))
         parts = [g.column(n) for g in groups for n in range(declared.num_columns)]
         sizes = [(p.total_uncompressed_size, p.physical_type) for p in parts]
+        sizes.append((declared.serialized_size, "BYTE_ARRAY"))
         size = sum(n * (TEXT if kind == "BYTE_ARRAY" else 1) for n, kind in sizes)
         if size > UNPACKED or declared.num_rows * declared.num_columns > MOST_VALUES:
             count = f"{declared.num_rows} rows of {declared.num_columns} columns"
@@ -60,7 +62,7 @@ def read_table(path: Path) -> tuple[dict[str, list[object]], dict[str, Any]]:
         table = parquet.read_table(path, read_dictionary=texts)
         about = json.loads(table.schema.metadata[ABOUT.encode()])
         columns = {name: _values(table[name]) for name in table.column_names}
-    except (pa.ArrowException, OSError, KeyError, TypeError, ValueError) as error:
+    except (pa.ArrowException, OSError, *UNREADABLE) as error:
         what = f"not the table of a sweep, {error}"
         remedy = "give the table that `stratawalk sweep` has written"
         raise UsageError(what, str(path), remedy) from error

@@ -73,6 +73,25 @@ def test_a_mesh_that_no_link_has_is_refused(urdf):
         source_of(str(path))
 
 
+def test_a_warning_of_the_engine_is_written_nowhere(urdf, capfd, monkeypatch):
+    """Not of a joint whose limits are equal, say."""
+    mass = (
+        '<inertial><mass value="1"/>'
+        '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+    )
+    path = urdf("near.obj")
+    path.write_text(
+        f'<robot name="r"><link name="a">{mass}</link><link name="b">{mass}</link>'
+        '<joint name="j" type="revolute"><parent link="a"/><child link="b"/>'
+        '<limit lower="1" upper="1"/></joint></robot>'
+    )
+    monkeypatch.chdir(path.parent)
+    before = os.listdir()
+    assert source_of(str(path)).text
+    assert os.listdir() == before
+    assert capfd.readouterr() == ("", "")
+
+
 def test_a_urdf_that_is_trusted_opens_what_it_names(urdf):
     assert source_of(str(urdf("../out/m.obj")), allow_external=True).text
 

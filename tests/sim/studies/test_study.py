@@ -167,12 +167,12 @@ def test_every_point_of_a_shipped_study_is_possible(name):
         study.at(point)
 
 
-def foreign(columns, vary=("friction",), **more):
-    """A table of a stranger; what it varies is as said."""
+def foreign(columns, vary=("friction",), text=None, **more):
+    """A table of a stranger; what it varies is as said, or as a text has it."""
     asked = {"asked": {"vary": {key: [] for key in vary}}} | more
 
     def write(path):
-        about = {"stratawalk": json.dumps(asked)}
+        about = {"stratawalk": text or json.dumps(asked)}
         made = pa.table(columns).replace_schema_metadata(about)
         parquet.write_table(made, path, compression="zstd")
 
@@ -206,6 +206,11 @@ FOREIGN = {
     "a thousand times its size": (
         foreign({"x": ["x" * 3 * 10**5]}),
         "1 rows of 1 columns with 0.0015 GB are too",
+    ),
+    "much that it comes from": (foreign({"x": [1]}, more="x" * 3 * 10**5), "too many"),
+    "depths that it comes from": (
+        foreign({"x": [1]}, text="[" * 10**4),
+        "not the table of a sweep, maximum recursion",
     ),
     "a word a row": (
         foreign(column("friction") | {"friction": [str(i) for i in range(3)]}),
