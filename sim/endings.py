@@ -62,10 +62,17 @@ def keeping(tell: Callable[[], str]) -> Iterator[None]:
 
 
 def again(*more: str) -> str:
-    """The command line with further words, of which the last ones count."""
+    """The command line with further words, in which an option replaces the former."""
     import shlex
 
-    return shlex.join(["stratawalk", *_words, *more])
+    words, given = ["stratawalk"], iter(_words)
+    for word in given:
+        name, valued, _ = word.partition("=")
+        if name not in more:
+            words.append(word)
+        elif not valued:
+            next(given, None)
+    return shlex.join([*words, *more])
 
 
 def way_on() -> str:
