@@ -1,6 +1,7 @@
 """Shared parts: a world built from the shipped hexapod, and a short real walk."""
 
 import shutil
+import signal
 
 import pytest
 from filelock import FileLock
@@ -14,6 +15,12 @@ from sim.reports.page import NAME
 from sim.run_folder import run
 from sim.scenarios.body_path import line
 from sim.scenarios.scenario import Scenario
+
+# A job in the background ignores these, and so would all that a test starts.
+ANSWERS = {signal.SIGINT: signal.default_int_handler, signal.SIGHUP: lambda *_: None}
+for _number, _answer in ANSWERS.items():
+    if signal.getsignal(_number) is signal.SIG_IGN:
+        signal.signal(_number, _answer)
 
 
 def pytest_collection_modifyitems(items):
