@@ -8,8 +8,8 @@ or 1). Empty cells are gaps. It holds numbers alone; nothing is carried out.
 from __future__ import annotations
 
 import csv
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field
 from itertools import chain
 from math import inf, nan, radians
@@ -23,9 +23,11 @@ from sim.errors import UsageError
 from sim.folder import csv_text
 
 LARGEST_LOG = 10**8  # bytes
-MOST_ROWS = 10**6
-LONGEST_LOG = 600.0  # [s]
+MOST_NUMBERS = 5 * 10**6  # which take some seconds to read
+SHORTEST_LOG, LONGEST_LOG = 0.01, 600.0  # [s]
+SHORTEST_STEP = 1e-6  # [s], between rows
 FARTHEST = 4 * np.pi  # [rad]
+LARGEST = 1e6  # of what was measured, in whatever unit
 JITTER = 0.05  # of a step of the clock, that is mentioned
 CLOCK_GAP = 2.5  # steps of the clock; what is longer is a gap
 TIME, MEASURED, CONTACT = "time", "measured.", "contact."
@@ -155,7 +157,7 @@ def _table(path: Path) -> dict[str, Array]:
     parted = max(",;\t", key=first.count)
     lines = (row for row in csv.reader(text.splitlines(), delimiter=parted) if row)
     names = [name.strip() for name in next(lines, [])]
-    if twice := {name for name in names if names.count(name) > 1}:
+    if twice := Counter(names) - Counter(set(names)):
         raise ValueError(f"column {min(twice)!r} comes twice")
     if TIME not in names:
         raise ValueError("no column 'time'; begin with a line of names: time, JOINT")
@@ -163,8 +165,8 @@ def _table(path: Path) -> dict[str, Array]:
     for number, row in enumerate(lines, 1):
         if len(row) != len(names):
             raise ValueError(f"row {number} has {len(row)} of {len(names)} columns")
-        if number > MOST_ROWS:
-            raise ValueError(f"more than {MOST_ROWS} rows; give a part of it")
+        if number * len(names) > MOST_NUMBERS:
+            raise ValueError(f"more than {MOST_NUMBERS} numbers; give a part of it")
         cells.append([_number(*cell, number) for cell in zip(names, row, strict=True)])
     if len(cells) < 2:
         raise ValueError(f"{len(cells)} rows of numbers; give two at least")
@@ -172,9 +174,10 @@ def _table(path: Path) -> dict[str, Array]:
 
 
 def _number(name: str, cell: str, row: int) -> float:
-    value = inf
-    with suppress(ValueError):
+    try:
         value = float(cell.strip() or nan)
+    except ValueError:
+        value = inf
     if abs(value) == inf:
         raise ValueError(f"{cell.strip()[:40]!r} in row {row}, column {name!r}")
     return value
@@ -207,6 +210,9 @@ def _log(
         what = f"{commanded[column]!r} comes to {angle:.4g} rad in row {row + 1}"
         remedy = "give --units where these are no radians, or correct it"
         raise ValueError(f"{what}, at {start[row]:.4g} s; {remedy}")
+    for name, numbers in columns.items():
+        if (np.abs(numbers) > LARGEST).any():
+            raise ValueError(f"a number beyond {LARGEST:g} in column {name!r}")
     if ("body.x" in columns) != ("body.y" in columns):
         raise ValueError("only one of body.x and body.y; give both")
     return Log(
@@ -225,12 +231,12 @@ def _check_time(time: Array) -> None:
     if not np.isfinite(time).all():
         row = int(np.isfinite(time).argmin()) + 1
         raise ValueError(f"no time in row {row}; give each row its time [s]")
-    if (back := np.diff(time) <= 0).any():
+    if (back := np.diff(time) < SHORTEST_STEP).any():
         row = int(back.argmax())
         moments = f"from {time[row]:.9g} s to {time[row + 1]:.9g} s in row {row + 2}"
         raise ValueError(f"time goes {moments}; sort the rows, and keep one a moment")
-    if (length := time[-1] - time[0]) > LONGEST_LOG:
-        most = f"give at most {LONGEST_LOG:g} s, in seconds"
+    if not SHORTEST_LOG <= (length := time[-1] - time[0]) <= LONGEST_LOG:
+        most = f"give {SHORTEST_LOG:g} to {LONGEST_LOG:g} s, in seconds"
         raise ValueError(f"it lasts {length:.6g} s; {most}")
 
 

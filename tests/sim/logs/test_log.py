@@ -71,7 +71,13 @@ def test_what_was_done_to_a_log_is_said(read):
         ("time,hip_1\n0,0\n", "1 rows of numbers: .*; give two at least"),
         ("time,hip_1\n0,0\n0,1\n", "time goes from 0 s to 0 s in row 2: .*; sort"),
         ("time,hip_1\n0,0\n,1\n", "no time in row 2"),
-        ("time,hip_1\n0,0\n1e9,1\n", r"lasts 1e\+09 s: .*; give at most 600 s"),
+        ("time,hip_1\n0,0\n1e9,1\n", r"lasts 1e\+09 s: .*; give 0.01 to 600 s"),
+        ("time,hip_1\n0,0\n1e-3,1\n", "lasts 0.001 s: .*; give 0.01 to 600 s"),
+        ("time,hip_1\n0,0\n1e-9,1\n9,1\n", "from 0 s to 1e-09 s in row 2: .*; sort"),
+        ("time,hip_1,body.x,body.y\n0,0,0,0\n1,1,1,1e308\n", "beyond 1e.06 in .*y'"),
+        ("time,hip_1,measured.hip_1\n0,0,0\n1,1,-2e6\n", "number beyond 1e.06 in .*m"),
+        (f"time{',a' * 10**6}\n0\n", "column 'a' comes twice"),
+        (f"time{',' * 10**6}\n" + f"0{',0' * 10**6}\n" * 10, "column '' comes twice"),
         ("time,hip_1\n0,0\n1,inf\n", "'inf' in row 2, column 'hip_1'"),
         ("time,hip_1\n0,0\n1,__import__('os')\n", "in row 2, column 'hip_1'"),
         ("time,hip_1\n0,0\n1,0,0\n", "row 2 has 3 of 2 columns"),
@@ -87,6 +93,12 @@ def test_what_was_done_to_a_log_is_said(read):
 def test_what_is_no_log_is_refused_in_one_line(read, text, words):
     with pytest.raises(UsageError, match=words):
         read(text)
+
+
+def test_a_log_of_more_numbers_than_are_read_in_time_is_refused(read, monkeypatch):
+    monkeypatch.setattr("sim.logs.log.MOST_NUMBERS", 5)
+    with pytest.raises(UsageError, match="more than 5 numbers: .*; give a part of it"):
+        read("time,hip_1\n0,0\n1,1\n2,2\n")
 
 
 def test_a_log_that_is_written_is_read_back_with_every_digit(read):
