@@ -25,6 +25,7 @@ import numpy as np
 from scripts.adoptees import ADOPTEES
 from scripts.endings import ending
 from scripts.fuzz_inputs import NASTY, mutated, write
+from scripts.torture import TEXTS
 
 RUN = "run line --segments 1 --set path.goal=[0.005,0,0] --no-video"
 SWEPT = "sweep mine.toml --workers 1"
@@ -42,12 +43,7 @@ slope = { from = [0.0, 0.0], to = [0.1, 3.0] }
 [keep]
 points = [1]
 """
-SMALL = """scenario = "line"
-without = ["identified", "creep_floor"]
-[set]
-segments = 1
-path.goal = [0.005, 0, 0]
-[grid]
+SMALL = f"""{TEXTS["sweep"]}[grid]
 friction = [0.5, 1.0]
 stance = ["centred", "paper"]
 """

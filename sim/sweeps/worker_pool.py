@@ -238,7 +238,7 @@ def open_pool(workers: int, scheduler: str | None) -> Iterator[WorkerPool]:
         try:
             client = stack.enter_context(Client(at, timeout=ANSWER))
         except (OSError, TimeoutError, ValueError) as error:
-            what = f"no scheduler answers, {one_line(error)}"
+            what = f"no scheduler answers, {' '.join(str(error).split())}"
             remedy = "start one with `dask scheduler`, and give its address"
             raise UsageError(what, str(at), remedy) from error
         # The scheduler reports every death, instead of trying a task again itself.
