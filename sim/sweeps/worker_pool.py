@@ -237,7 +237,7 @@ def open_pool(workers: int, scheduler: str | None) -> Iterator[WorkerPool]:
         at = scheduler if local is None else local
         try:
             client = stack.enter_context(Client(at, timeout=ANSWER))
-        except (OSError, TimeoutError, ValueError) as error:
+        except Exception as error:  # a library may raise anything of an address
             what = f"no scheduler answers, {' '.join(str(error).split())}"
             remedy = "start one with `dask scheduler`, and give its address"
             raise UsageError(what, str(at), remedy) from error

@@ -169,14 +169,24 @@ def listening(address):
     return host, int(port)
 
 
-def test_a_scheduler_that_does_not_answer_is_refused(tmp_path, monkeypatch, capsys):
+@pytest.mark.parametrize(
+    ("nobody", "said"),
+    [
+        ("tcp://127.0.0.1:9", "after 1 s"),
+        ("tls://127.0.0.1:9", "got None"),
+        ("http://evil", "'wss'])"),
+        ("x", "missing port number in address 'x'"),
+    ],
+)
+def test_a_scheduler_that_does_not_answer_is_refused(
+    nobody, said, tmp_path, monkeypatch, capsys
+):
     monkeypatch.setattr("sim.sweeps.worker_pool.ANSWER", "1s")
     file = write_sweep(tmp_path, "[grid]\nfriction = [0.5]\n")
-    nobody = "tcp://127.0.0.1:9"
     words = ("sweep", file, "--out", tmp_path / "o", "--scheduler", nobody)
     assert main(list(map(str, words))) == 2
     message = capsys.readouterr().err
-    assert f"after 1 s: {nobody}; start one with `dask scheduler`" in message
+    assert f"{said}: {nobody}; start one with `dask scheduler`" in message
 
 
 @pytest.fixture(scope="module")
