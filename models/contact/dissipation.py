@@ -96,10 +96,7 @@ class _Problem:
     grip: Array | None = None
 
     def solve(self) -> Array:
-        """The best twist about a foot that sticks, or better where that is no minimum.
-
-        Usually the heaviest foot sticks, so it is tried first.
-        """
+        """The best twist about a foot that sticks, the heaviest first, or better."""
         xi, least = np.zeros((len(self.feet), 3)), np.full(len(self.feet), np.inf)
         rest = np.arange(len(self.feet))
         for foot in np.argsort(-self.loads, axis=1, kind="stable").T:

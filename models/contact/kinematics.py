@@ -94,10 +94,7 @@ def find_sole(model: mujoco.MjModel, data: mujoco.MjData, foot: Sequence[str]) -
 
 
 def _lowest_core(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> Core:
-    """The core of a geom; of a cylinder or ellipsoid its lowest points.
-
-    Those of a cylinder are on its two rims, or their middles where it stands upright.
-    """
+    """The core of a geom; the lowest points of an ellipsoid or a cylinder's rims."""
     size, kind = model.geom_size[geom], model.geom_type[geom]
     down = -data.geom_xmat[geom].reshape(3, 3)[2]  # in the geom's frame
     if kind == Geom.mjGEOM_CYLINDER:

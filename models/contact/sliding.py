@@ -150,10 +150,7 @@ class _Balance:
         return replace(self, **{n: a[rows] for n, a in arrays if a is not None})
 
     def follow(self, smoothings: Sequence[float]) -> Array:
-        """Twists for friction that is smoothed less and less, shape (N, 3).
-
-        Newton's method goes on with those that are not balanced yet.
-        """
+        """Twists for friction smoothed less and less, (N, 3), by Newton's method."""
         xi = np.zeros((len(self.J), 3))
         for smoothing in smoothings:
             rows, part = np.arange(len(xi)), self

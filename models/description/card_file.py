@@ -49,10 +49,7 @@ def read_text(path: Path) -> str:
 
 
 def parse_card(text: str, source: str) -> Card:
-    """A robot card from TOML in the format of docs/robots.md.
-
-    Refusals name the source, which says where the text stands.
-    """
+    """A robot card from TOML, as in docs/robots.md; refusals name its source."""
     try:
         return _card(Table(parse_toml(text), known=KEYS))
     except ValueError as error:

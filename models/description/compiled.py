@@ -207,11 +207,7 @@ def read_spec(path: Path) -> mujoco.MjSpec:
 
 
 def named(spec: mujoco.MjSpec) -> None:
-    """Name what has no name, so that cards and messages can.
-
-    Geoms and bodies are called after their body and number, actuators of a joint after
-    the joint.
-    """
+    """Name what has no name: parts after body and number, actuators after a joint."""
     kinds = {"body": spec.bodies, "geom": spec.geoms, "actuator": spec.actuators}
     taken = {part.name for parts in kinds.values() for part in parts}
     for kind, parts in kinds.items():

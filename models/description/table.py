@@ -20,11 +20,7 @@ DEEPEST_NESTING = 32  # tables and lists inside each other
 
 
 def parse_toml(text: str) -> dict[str, Any]:
-    """Read TOML.
-
-    Raises ValueError for other text, for what is nested too deeply, and for whole
-    numbers of more than 64 bits.
-    """
+    """Read TOML; ValueError for other text, deep nesting, numbers beyond 64 bits."""
     try:
         table = tomllib.loads(text)
     except RecursionError:

@@ -136,10 +136,7 @@ def _unit(robot: Robot, index: int) -> Direction:
 
 
 def group_twist(kinematics: Kinematics, group: str) -> Twist:
-    """Body twist per radian of one group's swing, that group alone standing.
-
-    The card's claim where it makes one, contact kinematics otherwise.
-    """
+    """Body twist per radian of a group that stands alone: claimed, or by contact."""
     robot = kinematics.robot
     if claimed := robot.card.groups[group].twist:
         return claimed

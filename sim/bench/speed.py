@@ -197,10 +197,7 @@ class _FoundError(Exception):
 
 
 def optimised() -> Iterator[Row]:
-    """The first plan and all of the search for `line`; nothing without CasADi.
-
-    Times are those of the processor, so that other work on the machine does not count.
-    """
+    """First plan and whole search for `line`, CPU time; nothing without CasADi."""
     if find_spec("casadi") is None:
         return
 

@@ -79,10 +79,7 @@ def marks(robot: Robot, joint: str) -> tuple[float, float]:
 
 
 def card_with(text: str, servos: Mapping[str, JointServo], clock: float | None) -> str:
-    """A card's text with the servos of joints, in place of what it said of any.
-
-    So it is with the clock of the board, if it was measured.
-    """
+    """A card's text with servos, and a measured clock, in place of those it had."""
     tables = re.split(r"^(?=[ \t]*\[)", text, flags=re.M)
     lines = ["".join(table for table in tables if not OWN.match(table)).rstrip()]
     if clock is not None:

@@ -199,10 +199,7 @@ REMEDY = "give every servo name, id, ticks, center, max_radians, sign, offset"
 
 
 class RosLoader(yaml.SafeLoader):  # type: ignore[misc]
-    """YAML with the angles in degrees that rosparam knows, and without aliases.
-
-    Aliases of aliases are a gigabyte in a line.
-    """
+    """YAML with rosparam's degrees, without aliases: gigabytes in a line."""
 
     def compose_node(self, parent: yaml.Node, index: object) -> yaml.Node:
         """The next node, which must stand there itself."""

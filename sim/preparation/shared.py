@@ -57,10 +57,7 @@ class Shared:
         return found
 
     def world(self, scenario: Scenario, robot: Robot) -> tuple[World, mujoco.MjModel]:
-        """Robot and world of a scenario, and the model compiled from them.
-
-        Scenarios that differ in nothing but the way share a model.
-        """
+        """Robot and world, and their model, shared where the way alone differs."""
         cache = world_cache(scenario, self)
         return cache("world", lambda: built(robot, scenario))
 

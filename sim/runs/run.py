@@ -178,10 +178,7 @@ class Run:
 
     @cached_property
     def thought(self) -> tuple[Array, ...]:
-        """Where feedback was 90 % sure to be at each stop, closed lines (n, 2) [m].
-
-        There are none where the pose was told exactly.
-        """
+        """Where feedback was 90 % sure to be, if not told exactly, lines (n, 2) [m]."""
         if self.summary.feedback is None:
             return ()
         around = np.linspace(0, 2 * np.pi, 33)

@@ -77,10 +77,7 @@ def line(goal: Sequence[float]) -> NominalPath:
 
 
 def ellipse(semi_axes: Sequence[float]) -> NominalPath:
-    """Once around at constant heading, starting at the ellipse's right end (Fig. 7).
-
-    The semi-axes are those along x and y [m].
-    """
+    """Once around from its right end, heading constant; semi-axes x, y [m] (Fig. 7)."""
     wanted = f"two lengths above 0 [m], {NONE_BEYOND}"
     axes = accept(semi_axes, tuple[Length, Length], wanted, WHERE, "path.semi_axes")
     length = planner.planning.ellipse_perimeter(axes)
@@ -96,10 +93,7 @@ def waypoints(points: Sequence[Sequence[float]]) -> NominalPath:
 
 
 def route(goal: Sequence[float]) -> NominalPath:
-    """Any route to a goal that avoids the obstacles; `planning.routes` finds it.
-
-    Until it is found, and without obstacles, it is the straight line.
-    """
+    """Straight to a goal, until `planning.routes` finds a way around obstacles."""
     return replace(line(goal), kind="route")
 
 

@@ -83,10 +83,7 @@ def told(scenario: Settings) -> tuple[str, ...]:
 
 
 def who_ignores(ignored: Mapping[str, str]) -> str:
-    """Which predictions ignore which settings, in words; given are those of each key.
-
-    Empty if nothing is ignored.
-    """
+    """Which predictions ignore which settings, by key, in words; empty for none."""
     by: dict[str, list[str]] = {}
     for key, settings in ignored.items():
         by.setdefault(settings, []).append(PREDICTIONS[key].label)

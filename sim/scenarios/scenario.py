@@ -106,10 +106,7 @@ class Scenario(Settings):
         return SETTINGS
 
     def key(self, *effects: Effect) -> Hashable:
-        """All in it that has some effects; `world`, say, for what changes the physics.
-
-        Scenarios that share it have equal keys.
-        """
+        """All in it that has some effects, such as `world`, to compare scenarios by."""
         every = ((item.name, item.metadata["affects"]) for item in fields(self))
         own = (name for name, affects in every if affects & {*effects})
         return tuple((name, repr(getattr(self, name))) for name in own)

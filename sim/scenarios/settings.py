@@ -133,10 +133,7 @@ class Settings:
         "times that the search for an optimised plan starts again", 130, "plan"
     )
     overlap_recovery: bool = setting(
-        "swing legs in the air back (recover) while others move the body (stroke)",
-        False,
-        "plan",
-        formerly="together",
+        "recover lifted legs while others stroke", False, "plan", formerly="together"
     )
     correct: Annotated[int, Range(1, 20)] = setting(
         "number of walks; each is aimed to cancel what the one before missed", 1, "plan"

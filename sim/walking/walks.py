@@ -40,10 +40,7 @@ from sim.walking.finished import Stretch, Walk, laid_commands
 
 
 class Walker:
-    """Carries out flows in the physics and keeps track of the robot's pose.
-
-    The cache stores commands for walks that have the same.
-    """
+    """Carries out flows in the physics, commands cached, and tracks the pose."""
 
     def __init__(
         self, setup: Setup, progress: Progress = silent, cache: Cache = no_cache
