@@ -2,8 +2,9 @@
 
 All legs of a group move the body about one point without slip exactly where the legs,
 produced inward, meet at that point: the group's pivot. Legs are turned until they do,
-and legs farther from the pivot swing farther, in proportion. How far groups swing
-before their parts touch is found on a grid of both angles, on the ground and lifted.
+and legs farther from the pivot swing farther, in proportion, and in ratios of small
+whole numbers where a pivot nearby allows it. How far groups swing before their parts
+touch is found on a grid of both angles, on the ground and lifted.
 """
 
 from __future__ import annotations
@@ -29,6 +30,9 @@ LEAST_LOAD = 0.06  # share of the weight on each foot of a group that stands
 MOST_WAYS = 12  # pairs of groups that are tried
 MOST_PAIRS = 200  # pairs of pivots of each
 NEIGHBOUR_DISTANCE = 0.6  # of that between feet, which turned legs keep
+MOST_PARTS = 4  # into which the gain of the leg that swings farthest is divided
+MOST_CHANGE = 0.1  # of a gain, for which a pivot is moved
+IN_STEP, TINY = 1e-9, 1e-14  # gains that are as wanted, and where the search ends
 
 Groups = tuple[tuple[int, ...], tuple[int, ...]]
 
@@ -96,11 +100,15 @@ def posed(
         worth = _worth(first, second)
         for place in np.argsort(-worth, axis=None)[:MOST_PAIRS]:
             i, j = np.unravel_index(place, worth.shape)
+            one, other = (
+                _in_step(limbs, stand, weight, ranges)
+                for stand in (first[i], second[j])
+            )
             after = feet.copy()
-            for stand in (pair := (first[i], second[j])):
+            for stand in (one, other):
                 after[list(stand.legs)] = stand.feet
             if pdist(after).min() > NEIGHBOUR_DISTANCE * pdist(feet).min():
-                return pair
+                return one, other
     raise ModelError(
         f"its legs cannot be turned so that they meet at pivots: {source}; each group "
         "can only slide, widen the ranges of the swing joints or turn them at the start"
@@ -122,30 +130,75 @@ def _worth(first: Sequence[Stand], second: Sequence[Stand]) -> Array:
 def _stands(
     limbs: Sequence[Limb], group: tuple[int, ...], weight: Array, ranges: Array
 ) -> Iterator[Stand]:
-    hips = np.array([limbs[i].hip for i in group])
-    arms = np.array([limbs[i].toe[:2] for i in group]) - hips
-    lengths = np.linalg.norm(arms, axis=1)
-    bearing = np.arctan2(*arms.T[::-1])
     every = np.array([limb.hip for limb in limbs])
     low, high = every.min(axis=0), every.max(axis=0)
+    _, lengths, _ = _arms(limbs, group)
     middle, half = (low + high) / 2, np.maximum((high - low) / 2, lengths.mean() / 2)
     places = np.linspace(-1, 1, PLACES) * half[:, None] + middle[:, None]
     for pivot in product(*places):
-        away = hips - pivot
-        distance = np.linalg.norm(away, axis=1)
-        if distance.min() < 0.05 * lengths.min():
+        if stand := _stand(limbs, group, weight, ranges, np.array(pivot)):
+            yield stand
+
+
+def _stand(
+    limbs: Sequence[Limb],
+    group: tuple[int, ...],
+    weight: Array,
+    ranges: Array,
+    pivot: Array,
+) -> Stand | None:
+    """A group's legs turned towards a pivot; None where it could not stand or swing."""
+    hips, lengths, bearing = _arms(limbs, group)
+    away = hips - pivot
+    distance = np.linalg.norm(away, axis=1)
+    if distance.min() < 0.05 * lengths.min():
+        return None
+    turns = np.arctan2(*away.T[::-1]) - bearing
+    turns = (turns + np.pi) % (2 * np.pi) - np.pi
+    feet = hips + away / distance[:, None] * lengths[:, None]
+    ratio = (distance + lengths) / lengths
+    gains = ratio / ratio.max()
+    clockwise, anticlockwise = ranges[list(group)].T
+    room = np.minimum(anticlockwise - turns, turns - clockwise)
+    swing = float((np.minimum(room, MOST_SWING) / gains).min())
+    if swing <= LEAST_SWING or _surety(feet, weight) <= LEAST_LOAD:
+        return None
+    return Stand(group, pivot, turns, gains, 1 / float(ratio.max()), swing, feet)
+
+
+def _arms(limbs: Sequence[Limb], group: tuple[int, ...]) -> tuple[Array, Array, Array]:
+    """Hips (legs, 2), and lengths and bearings of the legs from there, (legs,)."""
+    hips = np.array([limbs[i].hip for i in group])
+    arms = np.array([limbs[i].toe[:2] for i in group]) - hips
+    return hips, np.linalg.norm(arms, axis=1), np.arctan2(*arms.T[::-1])
+
+
+def _in_step(
+    limbs: Sequence[Limb], stand: Stand, weight: Array, ranges: Array
+) -> Stand:
+    """The stand, its pivot moved so that gains are halves, thirds or quarters.
+
+    Servos with counts then have all legs of the group on whole counts together, where
+    otherwise they push against each other. It stays as it is where that is far.
+    """
+    from scipy.optimize import least_squares  # slow to import, and seldom needed
+
+    hips, lengths, _ = _arms(limbs, stand.legs)
+    lead = int(stand.gains.argmax())
+    for parts in range(1, MOST_PARTS + 1):
+        wanted = np.round(parts * stand.gains) / parts
+        if wanted.min() <= 0 or np.abs(wanted - stand.gains).max() > MOST_CHANGE:
             continue
-        turns = np.arctan2(*away.T[::-1]) - bearing
-        turns = (turns + np.pi) % (2 * np.pi) - np.pi
-        feet = hips + away / distance[:, None] * lengths[:, None]
-        ratio = (distance + lengths) / lengths
-        gains = ratio / ratio.max()
-        clockwise, anticlockwise = ranges[list(group)].T
-        room = np.minimum(anticlockwise - turns, turns - clockwise)
-        swing = float((np.minimum(room, MOST_SWING) / gains).min())
-        if swing > LEAST_SWING and _surety(feet, weight) > LEAST_LOAD:
-            yaw = 1 / float(ratio.max())
-            yield Stand(group, np.array(pivot), turns, gains, yaw, swing, feet)
+
+        def off(pivot: Array, wanted: Array = wanted) -> Array:
+            ratio = 1 + np.linalg.norm(hips - pivot, axis=1) / lengths
+            change: Array = ratio / ratio[lead] - wanted
+            return change
+
+        least = least_squares(off, stand.pivot, xtol=TINY, ftol=TINY, gtol=TINY)
+        if np.abs(least.fun).max() < IN_STEP:
+            return _stand(limbs, stand.legs, weight, ranges, least.x) or stand
+    return stand
 
 
 TRIED_ANGLES = 16  # angles that are tried, on each side

@@ -1,9 +1,10 @@
 """Makes of servo, each number with where it comes from.
 
-Sources: *sheet* is the data sheet of the make, *manual* its page of
-emanual.robotis.com/docs/en/dxl, *measured* the identification of github.com/Rhoban/bam,
-*assumed* what nobody says. A dead band is the whole width of the error without torque.
-Controllers of pulse servos are assumed to give full voltage at three dead bands.
+Sources: *sheet* is the data sheet of the make, *sellers* its table in their shops,
+*manual* its page of emanual.robotis.com/docs/en/dxl, *measured* the identification of
+github.com/Rhoban/bam, *assumed* what nobody says. A dead band is the whole width of the
+error without torque. Controllers of pulse servos are assumed to give full voltage at
+three dead bands.
 """
 
 from __future__ import annotations
@@ -87,12 +88,12 @@ SERVO_KINDS = {
         source="TowerPro MG996R data sheet, 6 V",
     ),
     "ds3218": _pulse(
-        21.5 * KGF_CM,  # sheet
-        SIXTY / 0.14,  # sheet
-        6.8,  # sheet
-        degrees=270,  # sheet, with its pulses
-        dead=3,  # sheet
-        source="DSServo DS3218 data sheet, 6.8 V, the one of 270 degrees",
+        21.5 * KGF_CM,  # sellers
+        SIXTY / 0.14,  # sellers
+        6.8,  # sellers
+        degrees=270,  # sellers, with its pulses
+        dead=3,  # sellers
+        source="tables of sellers of the DSServo DS3218, 6.8 V, 270 degrees",
     ),
     "ax-12": ServoKind(
         stall_torque=1.5,  # manual

@@ -46,6 +46,7 @@ class Drive:
         self._held: Array | None = None  # the command in force
         self._late: Array | None = None  # commands that have not reached the servos
         joints, lifts = setup.robot.card.joints, setup.robot.lift_joints
+        self._rest = np.array([setup.robot.standing_angle(j) for j in joints])
         self._lifts = [joints.index(joint) for joint in lifts]  # legs ascending
         self._lift_counts = LiftCounts(setup.as_planned, self.feeds_forward)
 
@@ -211,7 +212,8 @@ class Drive:
         if practised is not None:
             ctrl[:, joints] += practised.at(rows)
         if resolution := self._servo.resolution:
-            counts = np.round(ctrl[:, joints] / resolution)
+            rest = self._rest / resolution  # on a count, so that strokes end on some
+            counts = np.round(ctrl[:, joints] / resolution - rest) + np.round(rest)
             if not isinstance(schedule, Played):
                 lift, loads = schedule.angles(rows)[1], None
                 if rehearsed is not None:

@@ -139,12 +139,14 @@ def _step_on_counts(setup: Setup, step: Step, swing: tuple[float, ...]) -> Step:
 
 
 def _count(setup: Setup, group: int, angle: float) -> float:
-    """The nearest angle of a group at which its legs, or the fastest, are on counts."""
+    """The nearest angle of a group at which its legs, or the fastest, are on counts.
+
+    At angle 0 all of them are.
+    """
     robot, resolution = setup.robot, setup.servo.resolution
     legs = np.flatnonzero(robot.group_of_leg == group)
     fastest = legs[np.abs(robot.swing_gain[legs]).argmax()]
     gain = robot.swing_gain[fastest]
-    standing = robot.standing_angle(robot.leg_cards[fastest].swing)
     gains = np.abs(robot.swing_gain[legs] / gain)
     for counts in range(1, MOST_COUNTS + 1):  # of the fastest, at which all are on some
         if np.abs(counts * gains - np.round(counts * gains)).max() < ON_COUNT:
@@ -152,10 +154,9 @@ def _count(setup: Setup, group: int, angle: float) -> float:
             break
     low, high = setup.equations.limits[f"phi_{robot.groups[group]}"]
     inside = np.array([low - RANGE_ROUNDING, high + RANGE_ROUNDING])
-    first, last = np.sort((standing + gain * inside) / resolution)
-    nearest = np.round((standing + gain * angle) / resolution)
-    count = np.clip(nearest, ceil(first), floor(last))
-    return float((resolution * count - standing) / gain)
+    first, last = np.sort(gain * inside / resolution)
+    count = np.clip(np.round(gain * angle / resolution), ceil(first), floor(last))
+    return float(resolution * count / gain)
 
 
 def joined_plans(setup: Setup, plans: list[Plan]) -> Plan:
