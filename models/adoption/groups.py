@@ -32,7 +32,7 @@ MOST_PAIRS = 200  # pairs of pivots of each
 NEIGHBOUR_DISTANCE = 0.6  # of that between feet, which turned legs keep
 MOST_PARTS = 4  # into which the gain of the leg that swings farthest is divided
 MOST_CHANGE = 0.1  # of a gain, for which a pivot is moved
-IN_STEP, TINY = 1e-9, 1e-14  # gains that are as wanted, and where the search ends
+NEWTON_STEPS, IN_STEP = 8, 1e-9  # and how near to what is wanted gains then are
 
 Groups = tuple[tuple[int, ...], tuple[int, ...]]
 
@@ -178,27 +178,29 @@ def _in_step(
 ) -> Stand:
     """The stand, its pivot moved so that gains are halves, thirds or quarters.
 
-    Servos with counts then have all legs of the group on whole counts together, where
-    otherwise they push against each other. It stays as it is where that is far.
+    Servos with counts then have all its legs on counts together, where otherwise they
+    push against each other. It stays as it is where no such pivot is near.
     """
-    from scipy.optimize import least_squares  # slow to import, and seldom needed
-
     hips, lengths, _ = _arms(limbs, stand.legs)
-    lead = int(stand.gains.argmax())
-    for parts in range(1, MOST_PARTS + 1):
-        wanted = np.round(parts * stand.gains) / parts
-        if wanted.min() <= 0 or np.abs(wanted - stand.gains).max() > MOST_CHANGE:
-            continue
-
-        def off(pivot: Array, wanted: Array = wanted) -> Array:
-            ratio = 1 + np.linalg.norm(hips - pivot, axis=1) / lengths
-            change: Array = ratio / ratio[lead] - wanted
-            return change
-
-        least = least_squares(off, stand.pivot, xtol=TINY, ftol=TINY, gtol=TINY)
-        if np.abs(least.fun).max() < IN_STEP:
-            return _stand(limbs, stand.legs, weight, ranges, least.x) or stand
-    return stand
+    lead, pivot = int(stand.gains.argmax()), stand.pivot
+    parts = np.arange(1, MOST_PARTS + 1)[:, None]
+    choices = np.round(parts * stand.gains) / parts
+    near = (np.abs(choices - stand.gains) < MOST_CHANGE) & (choices > 0)
+    if not (fits := near.all(axis=1)).any():
+        return stand
+    wanted = choices[fits.argmax(), :, None]  # the coarsest
+    for _ in range(NEWTON_STEPS):  # on ratio - wanted * ratio of the leading leg
+        away = hips - pivot
+        distance = np.linalg.norm(away, axis=1)[:, None]
+        ratio, slope = (
+            1 + distance / lengths[:, None],
+            -away / distance / lengths[:, None],
+        )
+        off, turn = ratio - wanted * ratio[lead], slope - wanted * slope[lead]
+        pivot = pivot - (np.linalg.pinv(turn) @ off)[:, 0]
+    found = _stand(limbs, stand.legs, weight, ranges, pivot)
+    in_step = found and np.abs(found.gains - wanted[:, 0]).max() < IN_STEP
+    return found if in_step else stand
 
 
 TRIED_ANGLES = 16  # angles that are tried, on each side
