@@ -93,20 +93,22 @@ def posed(
     from scipy.spatial.distance import pdist  # slow to import, and seldom needed
 
     feet = np.array([limb.toe[:2] for limb in limbs])
+    hips = np.array([limb.hip for limb in limbs])
     for groups in ways:
-        first, second = (list(_stands(limbs, g, weight, ranges)) for g in groups)
+        sides = [
+            _Legs(g, hips[[*g]], (feet - hips)[[*g]], ranges[[*g]], weight)
+            for g in groups
+        ]
+        first, second = (list(side.stands(hips)) for side in sides)
         if not first or not second:
             continue
         worth = _worth(first, second)
         for place in np.argsort(-worth, axis=None)[:MOST_PAIRS]:
             i, j = np.unravel_index(place, worth.shape)
-            one, other = (
-                _in_step(limbs, stand, weight, ranges)
-                for stand in (first[i], second[j])
-            )
+            one, other = sides[0].in_step(first[i]), sides[1].in_step(second[j])
             after = feet.copy()
             for stand in (one, other):
-                after[list(stand.legs)] = stand.feet
+                after[[*stand.legs]] = stand.feet
             if pdist(after).min() > NEIGHBOUR_DISTANCE * pdist(feet).min():
                 return one, other
     raise ModelError(
@@ -127,80 +129,65 @@ def _worth(first: Sequence[Stand], second: Sequence[Stand]) -> Array:
     return apart * turn[:, None] * back * np.exp(-most)
 
 
-def _stands(
-    limbs: Sequence[Limb], group: tuple[int, ...], weight: Array, ranges: Array
-) -> Iterator[Stand]:
-    every = np.array([limb.hip for limb in limbs])
-    low, high = every.min(axis=0), every.max(axis=0)
-    _, lengths, _ = _arms(limbs, group)
-    middle, half = (low + high) / 2, np.maximum((high - low) / 2, lengths.mean() / 2)
-    places = np.linspace(-1, 1, PLACES) * half[:, None] + middle[:, None]
-    for pivot in product(*places):
-        if stand := _stand(limbs, group, weight, ranges, np.array(pivot)):
-            yield stand
+class _Legs(NamedTuple):
+    """Legs of a group as they stand, what they may turn, and the weight above them."""
 
+    places: tuple[int, ...]  # among the limbs
+    hips: Array
+    arms: Array  # from hip to foot
+    ranges: Array
+    weight: Array
 
-def _stand(
-    limbs: Sequence[Limb],
-    group: tuple[int, ...],
-    weight: Array,
-    ranges: Array,
-    pivot: Array,
-) -> Stand | None:
-    """A group's legs turned towards a pivot; None where it could not stand or swing."""
-    hips, lengths, bearing = _arms(limbs, group)
-    away = hips - pivot
-    distance = np.linalg.norm(away, axis=1)
-    if distance.min() < 0.05 * lengths.min():
-        return None
-    turns = np.arctan2(*away.T[::-1]) - bearing
-    turns = (turns + np.pi) % (2 * np.pi) - np.pi
-    feet = hips + away / distance[:, None] * lengths[:, None]
-    ratio = (distance + lengths) / lengths
-    gains = ratio / ratio.max()
-    clockwise, anticlockwise = ranges[list(group)].T
-    room = np.minimum(anticlockwise - turns, turns - clockwise)
-    swing = float((np.minimum(room, MOST_SWING) / gains).min())
-    if swing <= LEAST_SWING or _surety(feet, weight) <= LEAST_LOAD:
-        return None
-    return Stand(group, pivot, turns, gains, 1 / float(ratio.max()), swing, feet)
+    def stands(self, hips: Array) -> Iterator[Stand]:
+        """The legs turned to pivots all over the field of the robot's hips."""
+        lengths = np.linalg.norm(self.arms, axis=1)
+        low, high = hips.min(axis=0), hips.max(axis=0)
+        half = np.maximum((high - low) / 2, lengths.mean() / 2)[:, None]
+        fields = np.linspace(-1, 1, PLACES) * half + ((low + high) / 2)[:, None]
+        return filter(None, (self.turned(np.array(p)) for p in product(*fields)))
 
+    def turned(self, pivot: Array) -> Stand | None:
+        """The legs turned to a pivot; None where they could not stand or swing."""
+        away, lengths = self.hips - pivot, np.linalg.norm(self.arms, axis=1)
+        distance = np.linalg.norm(away, axis=1)
+        if distance.min() < 0.05 * lengths.min():
+            return None
+        turns = np.arctan2(*away.T[::-1]) - np.arctan2(*self.arms.T[::-1])
+        turns = (turns + np.pi) % (2 * np.pi) - np.pi
+        feet = self.hips + away / distance[:, None] * lengths[:, None]
+        ratio = (distance + lengths) / lengths
+        gains = ratio / ratio.max()
+        clockwise, anticlockwise = self.ranges.T
+        room = np.minimum(anticlockwise - turns, turns - clockwise)
+        swing = float((np.minimum(room, MOST_SWING) / gains).min())
+        if swing <= LEAST_SWING or _surety(feet, self.weight) <= LEAST_LOAD:
+            return None
+        yaw = 1 / float(ratio.max())
+        return Stand(self.places, pivot, turns, gains, yaw, swing, feet)
 
-def _arms(limbs: Sequence[Limb], group: tuple[int, ...]) -> tuple[Array, Array, Array]:
-    """Hips (legs, 2), and lengths and bearings of the legs from there, (legs,)."""
-    hips = np.array([limbs[i].hip for i in group])
-    arms = np.array([limbs[i].toe[:2] for i in group]) - hips
-    return hips, np.linalg.norm(arms, axis=1), np.arctan2(*arms.T[::-1])
+    def in_step(self, stand: Stand) -> Stand:
+        """A stand, its pivot moved so that gains are halves, thirds or quarters.
 
-
-def _in_step(
-    limbs: Sequence[Limb], stand: Stand, weight: Array, ranges: Array
-) -> Stand:
-    """The stand, its pivot moved so that gains are halves, thirds or quarters.
-
-    Servos with counts then have all its legs on counts together, where otherwise they
-    push against each other. It stays as it is where no such pivot is near.
-    """
-    hips, lengths, _ = _arms(limbs, stand.legs)
-    lead, pivot = int(stand.gains.argmax()), stand.pivot
-    parts = np.arange(1, MOST_PARTS + 1)[:, None]
-    choices = np.round(parts * stand.gains) / parts
-    near = (np.abs(choices - stand.gains) < MOST_CHANGE) & (choices > 0)
-    if not (fits := near.all(axis=1)).any():
-        return stand
-    wanted = choices[fits.argmax(), :, None]  # the coarsest
-    for _ in range(NEWTON_STEPS):  # on ratio - wanted * ratio of the leading leg
-        away = hips - pivot
-        distance = np.linalg.norm(away, axis=1)[:, None]
-        ratio, slope = (
-            1 + distance / lengths[:, None],
-            -away / distance / lengths[:, None],
-        )
-        off, turn = ratio - wanted * ratio[lead], slope - wanted * slope[lead]
-        pivot = pivot - (np.linalg.pinv(turn) @ off)[:, 0]
-    found = _stand(limbs, stand.legs, weight, ranges, pivot)
-    in_step = found and np.abs(found.gains - wanted[:, 0]).max() < IN_STEP
-    return found if in_step else stand
+        Servos with counts then have all legs on counts together, where otherwise they
+        push against each other. It stays as it is where no such pivot is near.
+        """
+        parts = np.arange(1, MOST_PARTS + 1)[:, None]
+        choices = np.round(parts * stand.gains) / parts
+        near = (np.abs(choices - stand.gains) < MOST_CHANGE) & (choices > 0)
+        if not (fits := near.all(axis=1)).any():
+            return stand
+        wanted, lead = choices[fits.argmax(), :, None], int(stand.gains.argmax())
+        lengths = np.linalg.norm(self.arms, axis=1)[:, None]
+        pivot = stand.pivot
+        for _ in range(NEWTON_STEPS):  # on ratio - wanted * ratio of the leading leg
+            away = self.hips - pivot
+            distance = np.linalg.norm(away, axis=1)[:, None]
+            ratio, slope = 1 + distance / lengths, -away / distance / lengths
+            off, rise = ratio - wanted * ratio[lead], slope - wanted * slope[lead]
+            pivot = pivot - (np.linalg.pinv(rise) @ off)[:, 0]
+        found = self.turned(pivot)
+        met = found and np.abs(found.gains - wanted[:, 0]).max() < IN_STEP
+        return found if found and met else stand
 
 
 TRIED_ANGLES = 16  # angles that are tried, on each side
@@ -234,7 +221,7 @@ def free_reach(
         joint = limbs[place].swing
         (low, high), angle = pose.span(joint), pose.angle(joint)
         rooms[joint] = min(high - angle, angle - low) / abs(gain)
-    joint = min(rooms, key=rooms.__getitem__)
+    joint = min(rooms, key=lambda name: round(rooms[name], 9))  # of equals the first
     farthest = rooms[joint]
     if first := _Trial(pose, limbs, groups, lift).first_touching(farthest):
         level, (one, other) = first

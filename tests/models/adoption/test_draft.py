@@ -76,6 +76,16 @@ def test_legs_of_a_group_meet_at_the_pivot_that_the_body_turns_about(adoptee, dr
         assert set(np.flatnonzero(robot.group_of_leg == i)) == set(np.flatnonzero(on))
 
 
+@pytest.mark.parametrize("write", [owners.handmade, owners.motors])
+def test_legs_of_a_group_swing_in_ratios_of_small_whole_numbers(write, tmp_path):
+    found = draft_card(source_of(str(write(tmp_path)))).gait
+    gains = np.abs([[*swings.values()] for swings in found.swings])
+    assert np.unique(gains).size == 2
+    parts = {"handmade": 2, "motors": 3}[write.__name__]  # 0.48 and 0.61 elsewhere
+    assert parts * gains == pytest.approx(np.round(parts * gains), abs=1e-8)
+    assert gains.min() > 0.1
+
+
 def test_straight_knees_are_bent_to_stand(drafted):
     robot, found = drafted(ADOPTEES[0])
     assert "knees were bent" in found.guesses[0]

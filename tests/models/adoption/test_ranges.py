@@ -52,7 +52,7 @@ def test_where_nothing_touches_the_joints_end_the_swing(tmp_path):
     robot, said = drafted(owners.handmade(tmp_path))
     assert robot.card.groups["1"].swing is None
     assert any(
-        "0.46 rad either way, which is what is left of its range where 'h1' stands"
+        "0.47 rad either way, which is what is left of its range where 'h1' stands"
         in line
         for line in said
     )

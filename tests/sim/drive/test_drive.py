@@ -4,6 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from models.description import actuator_of
 from models.description.makes import SERVO_KINDS
 from models.description.servos import ServoKind
 from planner.systems.flows import Flow
@@ -82,6 +83,19 @@ def test_counts_are_whole_multiples_of_the_resolution_from_joint_zero(scenario):
     swings = [i for i in names if setup.model.actuator(i).name.startswith("swing")]
     assert off[swings].max() <= resolution / 2 + 1e-12
     assert off.max() <= PASSED * resolution  # of feet that are about to touch
+
+
+def test_legs_that_rest_between_counts_swing_by_the_same_counts(scenario):
+    given = {"robot": "hexapod-radial", "resolution": 0.009, "feed_forward": False}
+    setup = prepare(scenario(**given, **SOFT))
+    told = rows(Drive(setup), swung(setup))
+    joints = [setup.robot.leg_cards[place].swing for place in (0, 4)]  # 1 and 5
+    stand = [setup.robot.standing_angle(joint) / 0.009 for joint in joints]
+    assert stand == pytest.approx([43.46, -43.46], abs=0.01)
+    one, five = (told[:, actuator_of(setup.model, j)] for j in joints)
+    assert np.ptp(one) > 0.1
+    apart = np.abs((one - one[0]) - (five - five[0]))
+    assert (apart > 1e-9).mean() < 0.01  # in the very middle between two counts
 
 
 def test_zeros_that_are_off_shift_whole_counts(scenario):

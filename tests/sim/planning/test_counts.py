@@ -10,13 +10,10 @@ from sim.planning.open_loop import _count
 
 def setup_with(gain):
     """A setup of one group of two legs whose range, 0.105 each way, is off counts."""
-    leg = SimpleNamespace(swing="swing")
     robot = SimpleNamespace(
         group_of_leg=np.array([0, 0]),
         swing_gain=np.array([1.0, gain]),
         groups=("1",),
-        leg_cards=(leg, leg),
-        standing_angle=lambda joint: 0.0,
     )
     equations = SimpleNamespace(limits={"phi_1": (-0.105, 0.105)})
     servo = SimpleNamespace(resolution=0.01)
