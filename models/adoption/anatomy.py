@@ -272,9 +272,8 @@ def fitting_rotor(robot: Robot) -> float:
 def drafted_servo(pose: Pose, joints: Sequence[str], arm: float, legs: int) -> Servo:
     """A servo for some joints of a robot that stands, critically damped.
 
-    Half of the legs are to bear the weight with little sag; the arm is the distance of
-    a foot from its hip [m]. The physics step cannot follow the inertia of a mere leg:
-    joints without the rotor of a stiff servo, as in many a URDF, get that as well.
+    Half of the legs bear the weight with little sag, on arms from hip to foot [m]. As
+    the physics cannot follow a mere leg's inertia, joints without rotors get some.
     """
     model = pose.model
     inertia = np.zeros((model.nv, model.nv))

@@ -86,9 +86,8 @@ def posed(
 ) -> tuple[Stand, Stand]:
     """The pair of pivots from which the robot goes farthest sideways.
 
-    The preferred groups come first; ranges say how far each leg may turn clockwise and
-    anticlockwise from how it stands, shape (legs, 2) [rad]. Turned legs keep apart as
-    they did before.
+    Ranges say how far each leg may turn clockwise and anticlockwise from how it stands,
+    shape (legs, 2) [rad]. Turned legs keep apart as they did before.
     """
     from scipy.spatial.distance import pdist  # slow to import, and seldom needed
 
@@ -139,7 +138,7 @@ class _Legs(NamedTuple):
     weight: Array
 
     def stands(self, hips: Array) -> Iterator[Stand]:
-        """The legs turned to pivots all over the field of the robot's hips."""
+        """The legs turned to pivots all over the field of the hips."""
         lengths = np.linalg.norm(self.arms, axis=1)
         low, high = hips.min(axis=0), hips.max(axis=0)
         half = np.maximum((high - low) / 2, lengths.mean() / 2)[:, None]
@@ -213,8 +212,7 @@ def free_reach(
 ) -> Reach:
     """The largest swing at which nothing touches that does not where the robot stands.
 
-    A lifted group is raised by an angle [rad]. Legs that cannot swing at all are
-    refused.
+    A lifted group is raised by an angle [rad]; legs that cannot swing are refused.
     """
     rooms = {}
     for place, gain in chain.from_iterable(group.items() for group in groups):

@@ -3,8 +3,7 @@
 Sources: *sheet* is the data sheet of the make, *sellers* its table in their shops,
 *manual* its page of emanual.robotis.com/docs/en/dxl, *measured* the identification of
 github.com/Rhoban/bam, *assumed* what nobody says. A dead band is the whole width of the
-error without torque. Controllers of pulse servos are assumed to give full voltage at
-three dead bands.
+error without torque; pulse servos are assumed to give full voltage at three of them.
 """
 
 from __future__ import annotations

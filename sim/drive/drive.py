@@ -76,10 +76,8 @@ class Drive:
     def require_gentleness(self) -> None:
         """Refuse commands so far apart in time that their jumps make feet slip.
 
-        From one command to the next the intended angle moves on by swing speed over
-        command rate, and the servo's torque jumps by its stiffness times this angle.
-        The feet stay where they are while the jump is less than the torque by which
-        friction holds the end of a leg.
+        From one command to the next a torque jumps by stiffness times swing speed over
+        rate, which is to be less than friction holds at the end of a leg.
         """
         scenario, stiffness = self._setup.scenario, float(self._stiffness.max())
         if not self._servo.rate:

@@ -2,10 +2,7 @@
 
 A servo is a spring: a joint that bears a torque rests away from its command by torque
 over stiffness, and a moving one lags by damping times speed over stiffness. Commands
-ahead of the intended angles by as much leave the joints where they should be. The
-torques, friction between standing feet included, are measured by walking beforehand,
-stretch by stretch, on very stiff servos and without the imperfections of the walking
-robot, which are not known.
+lead by as much. Torques are measured in a walk beforehand, on very stiff servos.
 """
 
 from __future__ import annotations

@@ -1,13 +1,9 @@
 """Counts of lift joints, such that standing feet keep their load; and their torques.
 
-One count of a lift joint moves its foot about as far as the foot's load bends the
-servo, so that a standing leg whose joint changed by a count with its load would lift
-off. A lift joint therefore keeps one count for as long as the same feet stand. A foot
-that lifts off or touches down crosses the heights at which it may touch in a single
-command, in which the standing feet change their counts, too. How much loads bend the
-servos follows from statics; the height of the body, on which nothing else depends, is
-chosen such that the rounded counts change least from one set of standing feet to
-another.
+One count moves a foot about as far as its load bends the servo, so that a standing leg
+that changed by a count would lift off. A lift joint therefore keeps one count while the
+same feet stand. A foot passes the heights at which it may touch in a single command,
+with which standing feet change their counts, too.
 """
 
 from __future__ import annotations
@@ -67,11 +63,9 @@ class LiftCounts:
     def height(self) -> Array:
         """Part of a count to add to each lift joint while its leg stands, shape (F,).
 
-        It is chosen such that rounding is clearest: no standing leg on any stratum is
-        near the middle between two counts. Of the gaps between all remainders the one
-        is taken that makes counts change least from stratum to stratum, then the
-        widest. Counts before rounding are NaN for legs in the air; every leg stands on
-        one stratum at least.
+        No standing leg on any stratum is then near the middle between two counts. Of
+        the gaps between remainders that one is taken for which counts change least from
+        stratum to stratum, then the widest.
         """
         robot, rows = self.setup.robot, list[Array]()
         for stratum in sorted(set(robot.card.gait)):

@@ -1,10 +1,8 @@
 """Practice: what commands add so that slack in servos and gears does not show.
 
-A tripod on its feet has one free motion, about its pivot, which its swing servos alone
-hold. At lift-off and touchdown loads push it across dead bands and backlash, and the
-yaw of that adds up. A robot with the slack that is assumed walks every stretch several
-times beforehand, and each command is shifted by a part of what its joint missed. This
-needs no law of the slack.
+A tripod has one free motion, about its pivot, which its swing servos alone hold. Loads
+push it across dead bands and backlash, and the yaw adds up. A robot with the assumed
+slack walks each stretch several times, and commands shift by a part of what is missed.
 """
 
 from __future__ import annotations

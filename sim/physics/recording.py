@@ -3,8 +3,7 @@
 The engine computes the sensors of a state in the step that leaves it, so the readings
 of the state after n steps come with step n + 1, and those of the last state are
 computed separately. A contact is final once no later step can turn an interruption of
-it into a bounce. Memory grows with the recorded moments and the changes of contact
-only.
+it into a bounce.
 """
 
 from __future__ import annotations

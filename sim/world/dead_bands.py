@@ -1,10 +1,8 @@
 """Dead bands of servos, which go on braking within them.
 
-A servo gives no torque while its error is within half its band, and beyond it the
-stiffness times the rest of the error, or by the law `step` times all of it. Its motor
-brakes the joint all the while, and its rotor turns with it. The engine has no such
-servo. A second spring on the joint therefore takes the torque of the first one away,
-and has no more to give beyond the band. For a step both are steeper by a third spring,
+A servo gives no torque while its error is within half its band, though its motor brakes
+the joint. A second spring on the joint takes the torque of the first one away, and has
+no more to give beyond the band. For the law `step` both are steeper by a third spring,
 whose torque ends later: at the band's edge the torque rises within a quarter of it.
 """
 

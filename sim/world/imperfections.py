@@ -96,8 +96,7 @@ def _stiffen(floor: mujoco.MjsGeom, ratio: float) -> None:
     """Make the floor give way to loose legs as far as to rigid ones.
 
     The engine divides stiffness and damping of a contact by its impedance d, and
-    multiplies by d / (1 - d) over the mobility of what stands on the floor. The odds of
-    d grow with the mobility, by the ratio, so that forces stay the same.
+    multiplies by d / (1 - d) over the mobility, which grows by the ratio.
     """
     impedance = floor.solimp[0]
     odds = ratio * impedance / (1 - impedance)

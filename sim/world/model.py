@@ -1,11 +1,9 @@
 """The model that a run simulates: a robot on the floor, with the run's settings.
 
-What walking and measurement need is added to the robot's file where it is missing, also
-the keyframe `start`: the pose in which the robot begins, its feet on the floor. The run
-simulates the model that is compiled from the text. What that names is gathered from
-wherever the MJCF, its includes and its attached parts keep it. The robot's own files
-are copied unchanged beside it, whose numbers MuJoCo rounds: a rerun from the copies is
-planned with the same digits.
+What walking and measurement need is added to the robot's file, also the keyframe
+`start`: the pose in which the robot begins, its feet on the floor. Files that it names
+are gathered. The robot's own are copied unchanged beside the text, whose numbers MuJoCo
+rounds: a rerun from the copies is planned with the same digits.
 """
 
 from __future__ import annotations

@@ -1,11 +1,9 @@
 """What files of robots leave out of their motors: the rotor's inertia, and damping.
 
-Behind its gears the rotor of a small motor is heavier than a hobby robot's leg. A foot
-on the leg alone is a few grams against a floor that is stiff for the whole robot, on a
-servo that the time step can hardly follow: it chatters. So it does on a spring that
-nothing damps, which no motor is. Joints without armature are therefore given that of
-the servo's make, or of a motor that could carry the robot; servos of joints without
-damping are critically damped.
+Behind its gears the rotor of a small motor is heavier than a hobby robot's leg, whose
+foot would chatter on the stiff floor without it, as on a spring that nothing damps.
+Joints without armature are therefore given that of the servo's make, or of a motor that
+could carry the robot; servos without damping are critically damped.
 """
 
 from __future__ import annotations
