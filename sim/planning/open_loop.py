@@ -139,10 +139,7 @@ def _step_on_counts(setup: Setup, step: Step, swing: tuple[float, ...]) -> Step:
 
 
 def _count(setup: Setup, group: int, angle: float) -> float:
-    """The nearest angle of a group at which its legs, or the fastest, are on counts.
-
-    At angle 0 all of them are.
-    """
+    """The nearest angle of a group, from rest, with its legs, or one, on counts."""
     robot, resolution = setup.robot, setup.servo.resolution
     legs = np.flatnonzero(robot.group_of_leg == group)
     fastest = legs[np.abs(robot.swing_gain[legs]).argmax()]
