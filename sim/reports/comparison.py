@@ -113,6 +113,6 @@ def _drift(runs: Sequence[Run]) -> Table:
         columns.append(column)
     rows = dict.fromkeys(chain(*columns))
     return Table(
-        ("off the ideal path's end [mm]", *names(runs)),
+        ("adds to off ideal (off the best) [mm]", *names(runs)),
         [(name, *(column.get(name, "") for column in columns)) for name in rows],
     )
