@@ -42,7 +42,7 @@ def read_table(path: Path) -> tuple[dict[str, list[object]], dict[str, Any]]:
     A few bytes may stand for any number of rows: what a file declares comes first.
     """
     if not path.is_file():
-        remedy = "make one: stratawalk sweep plans --out sweeps/plans"
+        remedy = "make one: stratawalk sweep friction-speed --out sweeps/friction-speed"
         if str(path) in shipped_studies():
             remedy = f"sweep it first: stratawalk sweep {path} --out sweeps/{path}"
         elif any(path.parent.glob("*/scenario.toml")):

@@ -132,7 +132,10 @@ def test_a_slip_of_the_finger_is_answered_with_what_was_meant(words, meant, caps
         ("run line --speed 2", "--set swing_speed=1 for faster legs"),
         ("run line --set speed=2", "did you mean 'swing_speed'?"),
         ("study runs", "stratawalk compare runs"),
-        ("study gone", "make one: stratawalk sweep plans --out sweeps/plans"),
+        (
+            "study gone",
+            "make one: stratawalk sweep friction-speed --out sweeps/friction-speed",
+        ),
         ("sensitivities", "walk one: stratawalk run line"),
         ("plan line --physics", "use stratawalk run"),
         ("line", "try stratawalk run line"),
