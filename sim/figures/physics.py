@@ -115,6 +115,18 @@ def begun(jobs: Mapping[str, Job]) -> Iterator[tuple[Walks, Callable[[], float]]
             raise
 
 
+def time_left(walking: float, drawing: float) -> float:
+    """Time until walks and sheets of so much CPU are done [s].
+
+    A process on each core walks, and one more draws; the cores share their time among
+    them. In the end it draws alone, and what is left takes longer for its CPU.
+    """
+    cores = len(os.sched_getaffinity(0))
+    share = cores / (cores + 1)
+    together = walking / (cores * share)
+    return together + max(0.0, drawing - share * together)
+
+
 def _share(walked: MutableSequence[float]) -> None:
     """Where a process tells of its walks; it ends with the one that began it."""
     global _walked

@@ -21,7 +21,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from sim.figures import NAMES
-from sim.figures.physics import Job, Walked, Walks, begun
+from sim.figures.physics import Job, Walked, Walks, begun, time_left
 from sim.figures.style import STYLE, sheet_of
 from sim.folder import RunFolder, csv_text, whole
 from sim.palette import Style
@@ -177,12 +177,14 @@ def draw(
     costs = {
         (name, kind): _layouts()[name][kind].cost for name in names for kind in KINDS
     }
-    whole = sum(job.cost for job in jobs.values()) + sum(costs.values())
+    walking, drawing = sum(job.cost for job in jobs.values()), sum(costs.values())
+    whole = time_left(walking, drawing)
     done: dict[tuple[str, str], Sheet] = {}
     with begun(jobs) as (walks, walked):
 
         def report() -> None:
-            progress("figures", (walked() + sum(costs[at] for at in done)) / whole)
+            undrawn = drawing - sum(costs[at] for at in done)
+            progress("figures", 1 - time_left(walking - walked(), undrawn) / whole)
 
         report()
         for name, kind, sheet in _sheets(needed, walks, report):

@@ -23,7 +23,7 @@ from sim.figures import (
     stability,
 )
 from sim.figures.diagonal import footprints
-from sim.figures.physics import Job, _share, begun, perform
+from sim.figures.physics import Job, _share, begun, perform, time_left
 from sim.figures.sheet import draw, drawn, save
 from sim.figures.stability import polygon_margin
 from sim.folder import RunFolder
@@ -251,3 +251,14 @@ def test_the_command_draws_one_figure_and_says_where(
 def test_a_figure_that_is_not_there_is_refused(capsys):
     assert main(["figures", "--only", "moon"]) == 2
     assert "'moon' is not allowed" in capsys.readouterr().err
+
+
+def test_the_time_left_is_longer_for_its_work_where_one_process_draws_alone(
+    monkeypatch,
+):
+    """Two cores, three processes: each has two thirds until the walks are done."""
+    monkeypatch.setattr("os.sched_getaffinity", lambda process: {0, 1})
+    assert time_left(0.0, 20.0) == 20.0
+    assert time_left(40.0, 0.0) == 30.0
+    assert time_left(40.0, 20.0) == 30.0
+    assert time_left(40.0, 50.0) == pytest.approx(60.0)
