@@ -42,8 +42,8 @@ MAGNIFIED = 0.025  # [m] to either side of where the path is magnified
 INSET = (0.74, 0.06, 0.2, 0.2)  # left, bottom, width and height, of the panel
 UNCUT = {"min_clearance": -1, "steer": "ideal"}
 WALKS = {
-    "corridor-coarse": Job("corridor", UNCUT, cost=7),
-    "corridor": Job("corridor", cost=12),
+    "corridor-coarse": Job("corridor", UNCUT, cost=8),
+    "corridor": Job("corridor", cost=16),
 }
 
 

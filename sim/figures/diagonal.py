@@ -20,7 +20,7 @@ GOAL = (4.0, 4.0, math.pi / 2)
 PAPER_SEGMENTS = 12
 PALEST = 0.2  # strength of the colour of the first footprint; the last has all of it
 MARKERS = {"1": "^", "2": "v"}
-WALKS = {"diagonal": Job("diagonal", cost=5)}
+WALKS = {"diagonal": Job("diagonal", cost=4)}
 
 
 @dataclass(frozen=True)

@@ -78,7 +78,7 @@ def film_folder(
 ) -> Path:
     """Film a run folder or a stretch of it [s]; the film's path.
 
-    The look is `draft`, or `final` with shadows and smooth edges, several times slower.
+    The look is `draft`, or `final` in the sun with smooth edges, several times slower.
     By default the film is the run's own `video.mp4`, or a name beside it that tells the
     stretch; a path that ends in `.webp` becomes a small animated picture. Progress is
     called with the finished part, from 0 to 1.

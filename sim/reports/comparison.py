@@ -113,6 +113,6 @@ def _drift(runs: Sequence[Run]) -> Table:
         columns.append(column)
     rows = dict.fromkeys(chain(*columns))
     return Table(
-        ("adds to off ideal (off the best) [mm]", *names(runs)),
+        ("off ideal (off the best), by phase [mm]", *names(runs)),
         [(name, *(column.get(name, "") for column in columns)) for name in rows],
     )
