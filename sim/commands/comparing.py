@@ -29,9 +29,8 @@ def compare(options: argparse.Namespace) -> None:
     if len(options.runs) < 2:
         what = "a single run is compared to nothing"
         newest = " ".join(map(str, reversed(cli.runs_in(Path(options.runs[0]))[:2])))
-        remedy = f"write stratawalk compare {newest}" if " " in newest else ""
-        remedy = remedy or "give two or more, or use show"
-        raise UsageError(what, options.runs[0], remedy)
+        two = f"write stratawalk compare {newest}" if " " in newest else ""
+        raise UsageError(what, options.runs[0], two or "give two or more, or use show")
     if options.out is not None and Path(options.out).suffix not in (".html", ".htm"):
         raise UsageError(
             "not a page's name", f"--out {options.out}", "give a name in .html"

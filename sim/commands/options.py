@@ -12,6 +12,7 @@ from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from sim.commands.declared import GUESSES
 from sim.endings import again
 from sim.errors import ExitCode, SimulationError, UsageError, one_line, printable
 from sim.progress import bar, stage
@@ -28,15 +29,34 @@ def scenario_of(options: argparse.Namespace) -> Scenario:
     Raises:
         UsageError: If it cannot be read, or an option contradicts `--set`.
     """
-    from sim.scenarios.file import load_scenario
+    from sim.scenarios.file import load_scenario, shipped_scenarios
 
+    source = options.scenario
+    known = source in shipped_scenarios() or Path(source).exists()
+    if not known and (meant := command_for(source)):
+        raise UsageError(f"{source!r} is no scenario", "SCENARIO", f"try {meant}")
     overrides, given = settings_of(options), given_settings(options)
     for key, option in given.items():
         if key in overrides:
             where = f"{option} and --set {key}"
             raise UsageError(f"{key} is given twice", where, "keep one of them")
         overrides[key] = getattr(options, key)
-    return load_scenario(options.scenario, overrides)
+    return load_scenario(source, overrides)
+
+
+def command_for(name: str, robots: str = "run") -> str:
+    """What does what a shipped name or a first guess asks for; empty for others.
+
+    Robots are for the command `robots`, systems are planned, scenarios are walked.
+    """
+    from models import SYSTEMS, shipped_robots
+    from sim.scenarios.file import shipped_scenarios
+
+    meant = {name: f"run {name}" for name in shipped_scenarios()}
+    meant |= {name: f"plan {name}" for name in SYSTEMS}
+    meant |= {name: f"{robots} line --robot {name}" for name in shipped_robots()}
+    meant |= GUESSES["names"]
+    return f"stratawalk {meant[name]}" if name in meant else ""
 
 
 def given_settings(options: argparse.Namespace) -> dict[str, str]:
@@ -109,24 +129,20 @@ def elsewhere(out: str | None) -> list[str]:
     return ["--out", str(next(free))]
 
 
-def walker(name: str) -> str:
-    """The command that is given, for the robot of the scenario that was named.
-
-    It is empty where there is no scenario of this name.
-    """
+def require_robot(name: str) -> None:
+    """Refuse a scenario where a robot is wanted, and name the robot that walks it."""
     from sim.scenarios.file import load_scenario, shipped_scenarios
 
-    if name not in shipped_scenarios():
-        return ""
-    return again().replace(f" {name}", f" {load_scenario(name).robot}")
+    if name in shipped_scenarios():
+        meant = again().replace(f" {name}", f" {load_scenario(name).robot}")
+        raise UsageError(f"{name!r} is a scenario", "ROBOT", f"try {meant}")
 
 
 def robot_of(options: argparse.Namespace, name: str) -> Robot:
     """Load a robot, and say what it took from elsewhere."""
     from models import load
 
-    if meant := walker(name):
-        raise UsageError(f"{name!r} is a scenario", "ROBOT", f"try {meant}")
+    require_robot(name)
     robot = load(name, allow_external=options.allow_external)
     if robot.borrowed:
         notice(

@@ -8,7 +8,7 @@ from typing import NoReturn
 
 from planner.support import did_you_mean
 from sim.commands.declared import COMMANDS, GUESSES, declare
-from sim.commands.options import report
+from sim.commands.options import command_for, report
 from sim.errors import UsageError
 
 DESCRIPTION = "Plan how a legged robot walks from its equations, and walk it in MuJoCo."
@@ -44,9 +44,8 @@ class Parser(argparse.ArgumentParser):
         own = [name for action in self._actions for name in action.option_strings]
         for place, word in enumerate(rest):
             if word.startswith("-"):
-                if "--set" in own:
-                    _name_setting(word, rest[place + 1 :], self.prog)
-                _refuse_option(word, self.prog, [o for o in own if o[:2] == "--"])
+                known = [name for name in own if name.startswith("--")]
+                _refuse_option(word, rest[place + 1 :], self.prog, known)
             self._refuse_word(word)
         return given, rest
 
@@ -110,34 +109,27 @@ def as_meant(words: Sequence[str]) -> list[str]:
     if first == "help":
         return as_meant([*rest[:1], "--help"])
     if first.startswith("-") and first not in OPTIONS:
-        _refuse_option(first, "stratawalk", OPTIONS[1:])
+        _refuse_option(first, rest, "stratawalk", OPTIONS[1:])
     if not first.startswith("-") and first not in COMMANDS:
-        from sim.scenarios.file import command_for
-
         meant = GUESSES["commands"].get(first) or command_for(first)
         near = f"try {meant}" if meant else did_you_mean(first, [*COMMANDS, "help"])
         raise UsageError(f"unknown command {first!r}", PLACE, near)
     return [first, *rest]
 
 
-def _name_setting(word: str, rest: Sequence[str], where: str) -> None:
-    """Refuse an option that is a setting, and say how it is set."""
+def _refuse_option(
+    word: str, rest: Sequence[str], where: str, known: Sequence[str]
+) -> NoReturn:
+    """Refuse an option, and say what does it: another one, or a setting."""
     from sim.scenarios.settings import SETTINGS
 
     option, equals, value = word.partition("=")
-    name = option.removeprefix("--").replace("-", "_")
-    if name in GUESSES["options"]:
-        return
-    if name in SETTINGS or name == "goal":
+    name = option.lstrip("-").replace("-", "_")
+    remedy = GUESSES["options"].get(name, "")
+    if not remedy and "--set" in known and name in SETTINGS:
         given = value if equals else " ".join(rest[:1]) or "VALUE"
-        key = f"{name}={given}" if name in SETTINGS else "'path.goal=[0.1, 0, 0]'"
-        raise UsageError(f"unknown option {option}", where, f"write --set {key}")
-
-
-def _refuse_option(word: str, where: str, known: Sequence[str]) -> NoReturn:
-    option = word.partition("=")[0]
-    meant = GUESSES["options"].get(option.lstrip("-"))
-    remedy = meant or did_you_mean(option, known)
+        remedy = f"write --set {name}={given}"
+    remedy = remedy or did_you_mean(option, known)
     raise UsageError(f"unknown option {option}", where, remedy)
 
 

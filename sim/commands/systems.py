@@ -72,7 +72,6 @@ def is_system(source: str, others: Collection[str], kind: str = "scenario") -> b
     from models import SYSTEMS
     from models.description import parse_toml
     from planner.support import did_you_mean, read_file
-    from sim.scenarios.file import command_for
 
     path = Path(source)
     if path.suffix == ".toml" and kind == "scenario":
@@ -82,9 +81,10 @@ def is_system(source: str, others: Collection[str], kind: str = "scenario") -> b
     if path.suffix or len(path.parts) > 1 or source in others:
         return path.suffix in SUFFIXES
     if source not in SYSTEMS:
-        meant = cli.walker(source) if kind == "robot" else command_for(source, "plan")
-        near = did_you_mean(source, [*others, *SYSTEMS])
-        remedy = f"try {meant}" if meant else near
+        if kind == "robot":
+            cli.require_robot(source)
+        meant, known = cli.command_for(source, "plan"), [*others, *SYSTEMS]
+        remedy = f"try {meant}" if meant else did_you_mean(source, known)
         raise UsageError(f"unknown {kind} or system {source!r}", kind.upper(), remedy)
     return True
 

@@ -21,22 +21,7 @@ from sim.scenarios.settings import FORMER, SETTINGS
 
 Values = dict[str, Any]  # a table of plain values, by key
 KEYS = (*SETTINGS, "path", "obstacles")
-CALLED = {  # other words for a key
-    "mu": "friction",
-    "goal": "path",
-    "speed": "swing_speed",
-    "noise": "imperfect",
-}
-GUESSES = {
-    "sideways": "run line --set 'path.goal=[0, 0.05, 0]'",
-    "forward": "run line --set 'path.goal=[0.1, 0, 0]'",
-    "backward": "run line --set 'path.goal=[-0.1, 0, 0]'",
-    "turn": "run line --set 'path.goal=[0, 0, 0.3]'",
-    "circle": "run ellipse",
-    "obstacles": "run detour",
-    "parking": "plan car",
-    "walk": "run line",
-}
+CALLED = {"mu": "friction", "goal": "path", "speed": "swing_speed"}  # other words
 TABLES = {name for name, item in SETTINGS.items() if item.includes(Mapping)}
 FOLDER = Path(str(files("sim.scenarios")))
 
@@ -190,28 +175,10 @@ def dumps(scenario: Scenario) -> str:
     return "\n".join(lines) + "\n"
 
 
-def command_for(name: str, robots: str = "run") -> str:
-    """What does what a name asks for: that of anything shipped, or a first guess.
-
-    Args:
-        name: A scenario, robot, system or guess; for others the command is empty.
-        robots: The command that a robot is for.
-    """
-    from models import SYSTEMS, shipped_robots
-
-    meant = {name: f"run {name}" for name in shipped_scenarios()}
-    meant |= {name: f"plan {name}" for name in SYSTEMS}
-    meant |= {name: f"{robots} line --robot {name}" for name in shipped_robots()}
-    meant |= GUESSES
-    return f"stratawalk {meant[name]}" if name in meant else ""
-
-
 def _find(source: str) -> Path:
     if source in shipped_scenarios():
         return FOLDER / f"{source}.toml"
     path = Path(source)
-    if (meant := command_for(source)) and not path.exists():
-        raise UsageError(f"{source!r} is no scenario", "SCENARIO", f"try {meant}")
     if path.suffix != ".toml" and len(path.parts) == 1 and not path.exists():
         known = did_you_mean(source, shipped_scenarios())
         remedy = f"{known}; or write one: stratawalk scenarios line > {source}.toml"
