@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from viser import FrameHandle, SceneApi, ViserServer
 
 NAME = "replay.html"
-EVERY = 2  # pictures of the film's clock
+PICTURES_APART = 2  # of the film's clock
 LIFT, THICK, WIDE = 0.004, 0.004, 0.007  # of lines, in units of the robot's reach
 Mesh = tuple[Array, Array]  # corners (N, 3) [m] and faces (M, 3)
 KIND = mujoco.mjtGeom
@@ -76,10 +76,10 @@ def _recorded(server: ViserServer, walk: Run, progress: Callable[[float], None])
     server.initial_camera.position = (x - 0.6 * away, y - away, 0.8 * away)
     server.initial_camera.look_at = (x, y, 0.0)
     ended = int(np.searchsorted(film.rows, film.rows[-1]))
-    rows = film.rows[film.title : ended + 1 : EVERY]
+    rows = film.rows[film.title : ended + 1 : PICTURES_APART]
     for done, row in enumerate(rows):
         robot.go_to(int(row))
-        recorder.insert_sleep(EVERY / FRAME_RATE)
+        recorder.insert_sleep(PICTURES_APART / FRAME_RATE)
         progress((done + 1) / len(rows))
     return _explained(recorder.as_html(), walk, film.playback)
 
