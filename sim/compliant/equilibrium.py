@@ -25,7 +25,7 @@ from planner import Array
 
 FORCE, WAY, ARM = 1e-6, 1e-9, 0.1  # allowed [N], [m]; moments count at an arm [m]
 NEWTON_STEPS = 14  # of Newton's method on a scale
-EVERY = 3  # of its steps, joints go to or from the stops of their backlash
+TURNING_EVERY = 3  # of its steps, joints go to or from the stops of their backlash
 SHORTENED = 7  # steps after which they are shortened
 FARTHEST_STEP = 0.004  # [m], and ten times as many radians, of a step
 SCALES = (  # of normal and tangential gaps against a leg's own stiffness, in turn
@@ -152,7 +152,7 @@ def _newton(
     law = _Law.of(contact, compliance, scale)
     for step in range(NEWTON_STEPS if give is None else 2 * NEWTON_STEPS):
         turned, settled = None, np.ones(len(lanes), dtype=bool)
-        turning = give is None or (step > 0 and step % EVERY == 0)
+        turning = give is None or (step > 0 and step % TURNING_EVERY == 0)
         if give is not None:
             torque = torque_of(contact.lever, force)
             if turning:
