@@ -1,8 +1,7 @@
 """`stratawalk doctor` and `bench`: what works on this machine, and how fast.
 
-A checkout pins versions in `scripts/constraints*.txt`, with the hashes of the archives
-that pip may install; elsewhere the package's own requirements are all there is. What an
-archive held is compared with the hashes that pip has written down as it unpacked it.
+Packages are compared with the versions that `scripts/constraints*.txt` pin, or with our
+requirements outside a checkout, and their files with the hashes that pip wrote down.
 """
 
 from __future__ import annotations

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import count
 from math import inf
 
 import numpy as np
@@ -15,6 +13,8 @@ from sim.errors import UsageError
 FRAME_RATE = 25  # [1/s]
 MOST_PICTURES = 100_000  # an hour
 FILM_LENGTH = 40.0  # [s] of the walk at most, where no playback speed is set
+ROUNDED = np.outer(10.0 ** np.arange(1, 9), (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8))
+SPEEDS = (1, 2, 3, 4, 5, 6, 8, *ROUNDED.ravel().tolist())
 TITLE, TAIL, RESULTS = 2.0, 1.5, 3.0  # [s] of title, last picture, card of results
 
 Stretch = tuple[float, float]
@@ -51,9 +51,7 @@ def clock(
     first, last = rows_of(time, stretch)
     duration = float(time[last] - time[first])
     if playback is None:
-        playback = next(
-            p for p in _round_speeds() if duration / p <= FILM_LENGTH - TAIL
-        )
+        playback = next(p for p in SPEEDS if duration / p <= FILM_LENGTH - TAIL)
     if (moving := int(duration / playback * FRAME_RATE)) > MOST_PICTURES:
         what = f"a film of {moving} pictures"
         where = f"playback = {playback:g} of the run"
@@ -72,14 +70,6 @@ def rows_of(time: Array, stretch: Stretch) -> tuple[int, int]:
     start, stop = stretch
     first = min(int(np.searchsorted(time, start)), len(time) - 1)
     return first, max(int(np.searchsorted(time, stop, side="right")) - 1, first)
-
-
-def _round_speeds() -> Iterator[float]:
-    """1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20, ... 60, 80, 100, ..."""
-    yield from (1, 2, 3, 4, 5, 6, 8)
-    for power in count(1):
-        for digits in (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8):
-            yield digits * 10.0**power
 
 
 @dataclass

@@ -5,13 +5,10 @@ from __future__ import annotations
 from functools import cache
 from importlib.resources import files
 from math import degrees, inf
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from jinja2 import Environment, FunctionLoader, StrictUndefined, Template
 from markupsafe import Markup, escape
-
-if TYPE_CHECKING:
-    from jinja2 import Environment, Template
-
 
 PLAIN = (".txt", ".md", ".h", ".ino")  # texts in which nothing needs to be escaped
 
@@ -28,8 +25,6 @@ def template(name: str) -> Template:
 
 @cache
 def _environment() -> Environment:
-    from jinja2 import Environment, FunctionLoader, StrictUndefined
-
     environment = Environment(
         loader=FunctionLoader(_text),
         autoescape=lambda name: not str(name).endswith(PLAIN),
