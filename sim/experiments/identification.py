@@ -89,13 +89,7 @@ def measure(setup: Setup, stratum: str, field: str) -> MeasuredField:
     direction = setup.equations.swings[field]
     span = min(SPAN, whole_range(setup, direction))
     way, pose, slip = swing(setup, field, span)
-    return MeasuredField(
-        stratum=stratum,
-        direction=direction,
-        span=span,
-        twist=_fit(way, pose, span),
-        slip=slip,
-    )
+    return MeasuredField(stratum, direction, span, _fit(way, pose, span), slip)
 
 
 def swing(setup: Setup, field: str, span: float) -> tuple[Array, Array, float]:

@@ -43,6 +43,7 @@ LOOSE = ((0.0, 0.01), (0.0, 0.01))  # [rad]; dead bands and backlash that are tr
 NARROWEST = 1e-5  # [rad]; a band that all joints have, so that all are built alike
 FITTED = 0.75  # of the rows of a log; the rest checks
 ON_CARD = "\n[fitted]\n"  # the last table of a card
+SHOWS = 2.0  # standard errors, below which backlash or delay is none
 ROUNDS = 3  # of walking on the floor, all but the first with servos as found
 SHARED = {"stiffness": "servo_stiffness", "damping": "servo_damping",
           "backlash": "backlash", "delay": "command_delay"}  # fmt: skip
@@ -65,11 +66,12 @@ class JointFit:
 
     def settings(self, joints: Sequence[str]) -> dict[str, tuple[Value, Value]]:
         """Settings that were seen and their standard errors, for a robot's joints."""
-        found: dict[str, tuple[Value, Value]] = {
-            SHARED[parameter.name]: self.make.told(k)
-            for k, parameter in enumerate(self.make.parameters)
-            if self.make.seen[0, k]
-        }
+        found: dict[str, tuple[Value, Value]] = {}
+        for k, parameter in enumerate(self.make.parameters):
+            number, off = self.make.told(k)
+            none = parameter.low == 0 and number < SHOWS * off
+            if self.make.seen[0, k]:
+                found[SHARED[parameter.name]] = 0.0 if none else number, off
         for k, parameter in enumerate(self.own.parameters):
             if (seen := self.own.seen[:, k]).any():
                 both = np.where(seen, [self.own.value[:, k], self.own.error[:, k]], 0.0)

@@ -9,7 +9,7 @@ import pytest
 from models import load
 from sim.cli import main
 from sim.errors import UsageError
-from sim.fitting.fitting import MAKE, fit_servos, one_make, servos
+from sim.fitting.fitting import MAKE, JointFit, fit_servos, one_make, servos
 from sim.fitting.servo_law import Commanded
 from sim.logs.log import Log, written
 from sim.preparation.setup import prepare
@@ -18,6 +18,7 @@ from sim.scenarios.scenario import drawn
 
 STEP, LASTING, EVERY = 0.004, 6.0, 5  # [s], [s], steps from row to row
 NOISE = np.radians(0.05)
+NAMES, ONES = ("one", "other", "third"), np.ones(3)
 
 
 def moves(joints, rng, lasting=LASTING, step=STEP, fast=0.3):
@@ -90,6 +91,16 @@ def test_joints_of_one_make_tell_more_together(fitted):
     assert (make.error < found.error[:, MAKE]).all()
     assert np.abs(make.value[0] - truth[0, list(MAKE)]).max() < 3.5 * make.error.max()
     assert (np.abs(whole - truth)[:, [2, 4]] < 4 * own.error).all()
+
+
+def test_backlash_within_two_standard_errors_of_none_is_written_as_none(fitted):
+    make, own, _ = one_make(fitted[1])
+    told = [
+        JointFit(NAMES, make, replace(make, value=value), own, ONES, ONES)
+        for value in (make.value, make.value * [1, 1, 0, 1] + make.error)
+    ]
+    assert told[0].settings(NAMES)["backlash"][0] == make.value[0, 2] > 0
+    assert told[1].settings(NAMES)["backlash"] == (0.0, make.error[0, 2])
 
 
 def test_a_slow_log_without_loads_tells_damping_over_stiffness_alone():
