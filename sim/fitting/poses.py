@@ -86,10 +86,7 @@ class Walked:
         return np.array([friction, *np.zeros(len(BODY) - 2), stiffness])
 
     def follow(self, values: Array) -> Array:
-        """Predicted poses (V, T, 3) of robots with other values (V, K) of `BODY`.
-
-        Raises MeasurementError where one tips over.
-        """
+        """Predicted poses (V, T, 3) of robots with other values (V, K) of `BODY`."""
         lanes = _changed(self.phases.robots, values)
         walks = Phases(self.phases.mechanics, lanes).follow_all(self.course)
         return np.stack([walk.at(self.times).pose for walk in walks])
@@ -136,8 +133,7 @@ def walked_of_log(setup: Setup, log: Log) -> Walked:
     """
     motion, dt = setup.motion, setup.limits.timestep
     if motion is None or log.pose is None or not np.isfinite(log.pose).all():
-        columns = "body.x, body.y, body.yaw"
-        raise ValueError(f"poses are missing; give {columns} in every row")
+        raise ValueError("poses are missing; give body.x, .y and .yaw in every row")
     hold = round(setup.limits.hold / dt)
     walked = motion.schedule(hold, hold + motion.steps)
     parts = [motion.schedule(0, hold, standing=True), walked]
@@ -172,7 +168,6 @@ def fit_poses(walked: Walked) -> PoseFit:
 
 
 def _told_of(found: Estimates) -> list[str]:
-    """Settings of which anything was seen."""
     return [name for name, group in SETTINGS.items() if found.seen[0, group].any()]
 
 
