@@ -17,19 +17,18 @@ import gc
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
-from itertools import chain, pairwise
+from itertools import chain
 from typing import Literal, get_args
 
 import numpy as np
 
-from planner.errors import ConvergenceError, RangeError, StratumError, require_known
+from planner.errors import RangeError, StratumError, require_known
 from planner.execution.centring import centred
 from planner.execution.stepping import StabilityTest, stepped
 from planner.extension.extended import ExtendedSystem
 from planner.extension.steering import Wording
 from planner.numerics.arrays import Array
-from planner.support.stopping import tick
-from planner.systems.flows import Flow, Word, flow_map
+from planner.systems.flows import Flow, Word, word_ends
 from planner.systems.grouping import regroup, regroup_in_gait
 from planner.systems.shape import ShapeLimits
 from planner.systems.strata import StratifiedSystem
@@ -191,13 +190,11 @@ def nearest_words(
         for signs in every
         for order in ORDERS
     ]
+    misses = _misses(extended.system, ways, nominal[:-1], nominal[1:])
     nearest = list[Word]()
-    ends = pairwise(nominal)
-    for words, (start, goal) in zip(zip(*ways, strict=True), ends, strict=True):
-        tick()
-        misses = [_miss(extended.system, word, start, goal) for word in words]
+    for words, missed in zip(zip(*ways, strict=True), misses.T, strict=True):
         # words that mirror one another miss alike, and in turn they make up for that
-        equal = np.flatnonzero(np.array(misses) <= min(misses) * (1.0 + EQUAL))
+        equal = np.flatnonzero(missed <= missed.min() * (1.0 + EQUAL))
         nearest.append(words[equal[-(len(nearest) % 2)]])
     return nearest
 
@@ -219,24 +216,25 @@ def nearest_signs(
         each[sample] for each in steering.measured(hall_coordinates, nominal[:-1])
     )
 
-    def miss(signs: Array, order: Wording) -> float:
-        tick()
-        words = steering.scaled_words(coordinates, order, units * signs)
-        segments = zip(words, starts, goals, strict=True)
-        return sum(_miss(extended.system, *segment) for segment in segments)
-
-    misses = [min(miss(signs, order) for order in orders) for signs in steering.signs]
+    ways = [
+        steering.scaled_words(coordinates, order, units * signs)
+        for signs in steering.signs
+        for order in orders
+    ]
+    missed = _misses(extended.system, ways, starts, goals).sum(axis=1)
+    misses = missed.reshape(len(steering.signs), -1).min(axis=1)
     # the first of the smallest; words that mirror one another miss alike
-    best = int(np.argmax(np.array(misses) <= min(misses) * (1.0 + EQUAL)))
+    best = int(np.argmax(misses <= misses.min() * (1.0 + EQUAL)))
     return steering.signs[0 if misses[0] <= misses[best] * AS_GOOD else best]
 
 
-def _miss(system: StratifiedSystem, word: Word, start: Array, goal: Array) -> float:
-    """Distance of the end of a word from the goal; infinite where it escapes."""
-    state = start
-    try:
-        for name, duration in zip(word.fields, word.durations, strict=True):
-            state = flow_map(system, name, state, duration)
-    except ConvergenceError:
-        return np.inf
-    return float(system.length(state - goal))
+def _misses(
+    system: StratifiedSystem, ways: list[list[Word]], starts: Array, goals: Array
+) -> Array:
+    """Distances of words' ends from goals, (ways, segments); infinite if they escape.
+
+    Starts and goals have shape (segments, n).
+    """
+    begin = np.tile(starts, (len(ways), 1))
+    ends = word_ends(system, [*chain(*ways)], begin).reshape(len(ways), *goals.shape)
+    return np.nan_to_num(system.length(ends - goals), nan=np.inf)

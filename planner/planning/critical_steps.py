@@ -12,9 +12,7 @@ one fails, then closely wherever a notable part is left, and around all maxima o
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Callable, Iterator
-from itertools import zip_longest
+from collections.abc import Callable
 from math import inf
 
 import numpy as np
@@ -25,13 +23,13 @@ from planner.execution.execution import CHOICES, Execution
 from planner.extension.bracket_fields import hall_fields
 from planner.extension.extended import ExtendedSystem
 from planner.numerics.arrays import Array
-from planner.numerics.collocation import collocation, follow_all
+from planner.numerics.collocation import collocation
 from planner.numerics.subspaces import null_space
 from planner.planning.nominal import extend_along, fictitious_inputs_along, sample
 from planner.planning.paths import line
 from planner.planning.shooting import SEGMENT_NODES
 from planner.support.stopping import tick
-from planner.systems.flows import Word
+from planner.systems.flows import word_ends
 from planner.systems.strata import StratifiedSystem
 
 CONTRACTED = 0.5  # part of a step that a plan may leave
@@ -245,39 +243,11 @@ class _Steps:
                 return np.array([inf])
             half = len(steps) // 2
             return np.concatenate([self.left(steps[:half]), self.left(steps[half:])])
-        missed = self.system.length(starts + steps - self._ends(words))
+        missed = self.system.length(
+            starts + steps - word_ends(self.system, words, starts, FLOW_NODES)
+        )
         parts: Array = missed / self.system.length(steps)
         return np.where(np.isfinite(parts), parts, inf)
-
-    def _ends(self, words: list[Word]) -> Array:
-        """Where words end, all from the start, shape (words, n); nan if nowhere.
-
-        All that are about to follow one field of a changing velocity do so at once.
-        """
-        ends, alike = np.repeat(self.start[None], len(words), axis=0), defaultdict(list)
-        for i, word in enumerate(words):
-            alike[word.fields].append(i)
-        for stops in zip_longest(
-            *(self._stops(ends, words, i) for i in alike.values())
-        ):
-            for name in {stop[0] for stop in stops if stop}:
-                parts = [stop[1:] for stop in stops if stop and stop[0] == name]
-                rows, times = map(np.concatenate, zip(*parts, strict=True))
-                velocity = self.system.compiled(name).velocity
-                ends[rows] = follow_all(velocity, ends[rows], times, FLOW_NODES)
-        return ends
-
-    def _stops(
-        self, ends: Array, words: list[Word], rows: list[int]
-    ) -> Iterator[tuple[str, list[int], Array]]:
-        """Flows of words of the same fields; where velocities are constant, follow."""
-        durations = np.array([words[i].durations for i in rows])
-        for name, times in zip(words[rows[0]].fields, durations.T, strict=True):
-            field = self.system.compiled(name)
-            if field.is_constant:
-                ends[rows] += times[:, None] * field.constant[:, 0]
-            else:
-                yield name, rows, times
 
 
 def _scale(low: float, high: float, ratio: float) -> Array:

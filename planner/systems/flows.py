@@ -9,9 +9,9 @@ closed walk in the graph of strata, possibly through some on which nothing flows
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import chain, groupby, pairwise
+from itertools import chain, groupby, pairwise, zip_longest
 from operator import itemgetter
 from typing import NamedTuple
 
@@ -19,7 +19,7 @@ import numpy as np
 
 from planner.errors import StratumError, require_known
 from planner.numerics.arrays import Array
-from planner.numerics.collocation import follow
+from planner.numerics.collocation import STEP_NODES, follow, follow_all
 from planner.systems.strata import StratifiedSystem
 
 
@@ -144,6 +144,43 @@ def flow_map(
         if np.isfinite(end).all():
             return end
     return follow(field.velocity, start, duration)
+
+
+def word_ends(
+    system: StratifiedSystem,
+    words: Sequence[Word],
+    starts: Array,
+    nodes: int = STEP_NODES,
+) -> Array:
+    """Where words end, each from its start, shape (words, n); nan where they escape.
+
+    All that are about to follow one field of a changing velocity do so at once.
+    """
+    ends, alike = starts.copy(), dict[tuple[str, ...], list[int]]()
+    for i, word in enumerate(words):
+        alike.setdefault(word.fields, []).append(i)
+    parts = [_stops(system, words, rows, ends) for rows in alike.values()]
+    for found in zip_longest(*parts):
+        stops = [stop for stop in found if stop]
+        for field in {field for field, *_ in stops}:
+            together = [(rows, times) for other, rows, times in stops if other == field]
+            rows, times = map(np.concatenate, zip(*together, strict=True))
+            velocity = system.compiled(field).velocity
+            ends[rows] = follow_all(velocity, ends[rows], times, nodes)
+    return ends
+
+
+def _stops(
+    system: StratifiedSystem, words: Sequence[Word], rows: list[int], ends: Array
+) -> Iterator[tuple[str, list[int], Array]]:
+    """Flows of words of the same fields; where velocities are constant, follow."""
+    durations = np.array([words[i].durations for i in rows])
+    for name, times in zip(words[rows[0]].fields, durations.T, strict=True):
+        field = system.compiled(name)
+        if field.is_constant:
+            ends[rows] += times[:, None] * field.constant[:, 0]
+        else:
+            yield name, rows, times
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,6 +17,7 @@ from planner.planning.critical_steps import (
     least_critical_step,
 )
 from planner.planning.shooting import shot_towards, steer
+from planner.systems import flows
 from planner.systems.strata import StratifiedSystem
 from tests.systems import PAPER, chained, hexapod
 
@@ -179,7 +180,7 @@ def test_words_of_other_letters_follow_a_field_together(monkeypatch):
         followed.append(len(starts))
         return collocation.follow_all(velocity, starts, *rest)
 
-    monkeypatch.setattr(critical_steps, "follow_all", counted)
+    monkeypatch.setattr(flows, "follow_all", counted)
     steps = critical_steps._Steps(extended, np.zeros(4), None)
     steps.left(np.array([[0.0, 1e-3, 0.0, 0.0], [0.1, 0.2, 0.3, 0.1]]))
     assert followed == [2] * 5 + [1] * 6  # one has 5 flows along drive, the other 11
