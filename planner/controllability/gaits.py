@@ -100,11 +100,9 @@ def gait_controllability(
 ) -> Controllability:
     """Whether a gait is controllable from a configuration (Sec. 4).
 
-    Args:
-        system: System that walks.
-        gait: Strata in order, first and last the same (eq. 11).
-        at: Configuration in the first stratum, shape (n,).
-        max_depth: Highest degree of brackets to form, if no lower degree decides.
+    The gait is strata in order, first and last the same (eq. 11), and the configuration
+    (n,) one in the first. Brackets are formed to the highest degree given, if no lower
+    degree decides.
 
     Raises:
         StratumError: The gait is not a closed walk in the graph of strata.

@@ -49,16 +49,9 @@ def hall_fields(
     max_degree: int,
     most: int | None = None,
 ) -> HallFields:
-    """The Hall basis over some of a system's fields.
+    """The Hall basis up to a degree over some of a system's fields, named once each.
 
-    Args:
-        system: System that has the fields.
-        generators: Their names, each once.
-        max_degree: Highest degree of brackets.
-        most: Largest number of elements to form; any number if None.
-
-    Raises:
-        ValueError: There are more elements than that.
+    `ValueError` says that there would be more elements than the most that are wanted.
 
     Example:
         >>> from planner import StratifiedSystem, hall_fields

@@ -76,10 +76,6 @@ def _moves_heights_alone(field: VectorField, level_set: LevelSet) -> bool:
 def require_decoupled(system: StratifiedSystem, names: Iterable[str]) -> None:
     """Check eq. (13): lift fields commute with the fields used on the same stratum.
 
-    Args:
-        system: System that has the fields.
-        names: Fields that are used on strata above the bottom stratum.
-
     Raises:
         DecouplingError: A lift field does not commute with a field; both are named.
 
@@ -120,14 +116,9 @@ def tangent_field(
 ) -> VectorField | None:
     """A field made tangent to the bottom stratum, g_12 - (f_1 / f_2) g_11 in Sec. 5.1.
 
-    Args:
-        system: System that has the field.
-        name: Name of the field.
-        bottom: Stratum to be tangent to; the bottom stratum of the system if empty.
-
-    Returns:
-        The field itself if it is tangent. None if it is a lift field, or if the lift
-        fields cannot make it tangent.
+    That is the field itself if it is tangent, and None if it is a lift field, or if the
+    lift fields cannot make it tangent. `bottom` is a stratum, that of the system if
+    empty.
 
     Raises:
         StratumError: It is open which fields lift on its stratum; the system's `lifts`

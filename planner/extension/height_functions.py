@@ -87,11 +87,8 @@ def stratified_panels(
 ) -> StratifiedPanels:
     """Height functions of two strokes over the two angles that they move.
 
-    Args:
-        system: System that has the fields.
-        strokes: Names of two fields, each of which moves one shape coordinate.
-        start: Coordinates where both angles are zero, by name; those not named are
-            zero.
+    Strokes are named by two fields, each of which moves one shape coordinate. `start`
+    has coordinates where both angles are zero, by name; those not named are zero.
 
     Raises:
         ValueError: A field is unknown or a Python function, moves no shape coordinate

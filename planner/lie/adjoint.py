@@ -24,10 +24,8 @@ def coordinate_rates(
     S^-1 S' = sum_j Ad(e^(-h_1 B_1) ... e^(-h_(j-1) B_(j-1))) B_j h_j', so h_1' is the
     coefficient of B_1. Ad(e^(h_1 B_1)) of the other terms is the same sum without B_1.
 
-    Args:
-        algebra: Lie algebra of the terms.
-        terms: Coefficients by index, of any type that can be added and multiplied.
-        coordinate: Gives h_j from its index and rate, None for zero.
+    Terms are coefficients by index, of any type that can be added and multiplied;
+    `coordinate` gives h_j from its index and rate, None for zero.
 
     Example:
         >>> from planner import LieAlgebra, coordinate_rates, hall_basis
@@ -55,10 +53,8 @@ def adjoint_action(
     Eq. (8) has Ad(e^(-h B)), which gives the sum from the rates. To recover the rates
     from the sum takes its inverse, which is this.
 
-    Args:
-        structure: Structure constants of B: the coefficients of [B, B_j] for each j.
-        h: Coefficient of B.
-        terms: Coefficients by index.
+    The structure constants of B are the coefficients of [B, B_j] for each j, and terms
+    are coefficients by index.
 
     Example:
         >>> from planner import LieAlgebra, adjoint_action, hall_basis

@@ -65,13 +65,8 @@ def integrate(
     The result is exact if the inputs and the rates of the coordinates are polynomials
     of lower degree than there are nodes. Inputs that are zero throughout are skipped.
 
-    Args:
-        basis: Hall elements, s of them.
-        inputs: Inputs v at the nodes of `collocation(nodes)`, shape (..., nodes, s).
-        start: Coordinates at time zero, shape (..., s); zero if not given.
-
-    Returns:
-        Shape (..., s).
+    Inputs v at the nodes of `collocation(nodes)` have shape (..., nodes, s). Coordinates
+    have shape (..., s), at time zero too, where they are zero if not given.
 
     Raises:
         ValueError: The inputs are not finite or misshapen.
@@ -106,10 +101,8 @@ def backward(
 ) -> Array:
     """Backward coordinates h(1) that inputs reach in unit time, eq. (9), shape (s,).
 
-    Args:
-        basis: Hall elements, s of them.
-        v: Inputs of shape (s,), constant or a function of time in [0, 1] with at most
-            a few jumps. A pulse that is shorter than 1/300 may be missed.
+    Inputs v of shape (s,) are constant, or a function of time in [0, 1] with at most a
+    few jumps. A pulse that is shorter than 1/300 may be missed.
 
     Raises:
         ValueError: The inputs are not finite or misshapen.

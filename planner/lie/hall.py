@@ -39,12 +39,7 @@ Place = tuple[Any, ...]
 def hall_basis(generators: int, max_degree: int) -> tuple[Element, ...]:
     """The elements B_i of eq. (6): all Hall elements up to a degree, in order.
 
-    Args:
-        generators: Number m of generators, at least 1.
-        max_degree: Highest degree, at least 1.
-
-    Raises:
-        ValueError: One of them is below 1.
+    `ValueError` refuses a number of generators, or a degree, below 1.
 
     Example:
         >>> from planner import hall_basis

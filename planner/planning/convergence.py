@@ -77,10 +77,8 @@ def convergence_order(
 ) -> ConvergenceOrder:
     """The order to expect of plans along a path, found without planning any.
 
-    Args:
-        extended: System to steer.
-        path: Configurations on the bottom stratum for s in [0, 1].
-        coordinates: Words that the plans follow, as in `Execution`.
+    The path gives configurations on the bottom stratum for s in [0, 1]; the coordinates
+    are those of `Execution`.
 
     Raises:
         ValueError: The path is not finite or not on the bottom stratum.

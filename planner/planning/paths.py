@@ -62,8 +62,7 @@ def ellipse_perimeter(semi_axes: Sequence[float]) -> float:
 def waypoints(points: Sequence[ArrayLike]) -> Path:
     """Straight lines from each configuration to the next, s proportional to length.
 
-    Args:
-        points: At least two configurations of one size. Repetitions are ignored.
+    There are two at least, of one size; repetitions are ignored.
 
     Raises:
         ValueError: Fewer than two points, unequal sizes, or values not finite.
@@ -99,12 +98,8 @@ def _by_length(points: Array) -> tuple[Array, Array]:
 def ellipse(start: ArrayLike, semi_axes: tuple[float, float]) -> Path:
     """A whole ellipse in the first two coordinates, with the others constant (Fig. 7).
 
-    The path is start + (a cos 2 pi s - a, b sin 2 pi s, 0, ...). At the start it moves
-    along the second coordinate.
-
-    Args:
-        start: Configuration in which the path starts and ends.
-        semi_axes: The semi-axes a and b.
+    The path is start + (a cos 2 pi s - a, b sin 2 pi s, 0, ...) with the semi-axes a
+    and b. At the start it moves along the second coordinate.
 
     Raises:
         ValueError: The configuration has fewer than two coordinates or is not finite.

@@ -43,14 +43,9 @@ NODES = 10, STEP_NODES  # of a flow; few suffice in a plan of many segments
 
 
 def rollout(plan: Plan, samples: int = 1) -> Array:
-    """States along a plan, from its start.
+    """States along a plan, shape (1 + samples * flows, n).
 
-    Args:
-        plan: Plan to follow.
-        samples: Number of states along each flow; the last of them is its end.
-
-    Returns:
-        Shape (1 + samples * flows, n): the start, then `samples` rows for each flow.
+    After the start there are so many for each flow, the last of them at its end.
 
     Example:
         >>> from planner import StratifiedSystem, line, plan, rollout
@@ -65,13 +60,7 @@ def rollout(plan: Plan, samples: int = 1) -> Array:
 def play(
     system: StratifiedSystem, flows: Sequence[Flow], start: Array, samples: int = 1
 ) -> Array:
-    """States along a sequence of flows, as `rollout` gives them.
-
-    Args:
-        system: System that the flows are of.
-        flows: Flows in time order.
-        start: Configuration before the first flow, shape (n,).
-        samples: Number of states along each flow; the last of them is its end.
+    """States along flows in time order, from a configuration (n,), as by `rollout`.
 
     Raises:
         ValueError: A flow names a field that its stratum does not have, or the start

@@ -69,12 +69,9 @@ def aim(
 ) -> Plan:
     """A plan that meets the end of each segment, open loop.
 
-    Args:
-        extended: System to steer.
-        path: Configurations on the bottom stratum for s in [0, 1].
-        segments: Number of straight segments that replace the path.
-        execution: How to carry them out; its coordinates are not `fewest`.
-        tolerance: Largest distance from the ends of the segments, in the metric.
+    Straight segments replace the path, which gives configurations on the bottom stratum
+    for s in [0, 1]. Their ends are missed by the tolerance at most, in the metric. The
+    coordinates of the execution are not `fewest`.
 
     Raises:
         ValueError: The execution leaves the choice of coordinates open, or the number
@@ -169,13 +166,8 @@ def steer(
     Where the critical step is so short that the shots stall, the straight line is aimed
     along instead, in as few segments as can be aimed.
 
-    Args:
-        extended: System to steer.
-        start: Configuration to start from, shape (n,).
-        goal: Configuration to meet, shape (n,).
-        execution: How to carry the shots out; its coordinates are not `fewest`.
-        tolerance: Distance from the goal at the end, in the metric.
-        max_shots: Largest number of shots.
+    Start and goal have shape (n,), and the goal is missed by the tolerance at most, in
+    the metric. The coordinates of the execution are not `fewest`.
 
     Raises:
         ValueError: The execution leaves the choice of coordinates open, or an end is

@@ -42,12 +42,8 @@ class Slack(NamedTuple):
 def subdivide(cuts: Array, slacks: Callable[[Array], Sequence[Slack]]) -> Array:
     """Cut the segments that do not keep a bound, until all segments keep all bounds.
 
-    Args:
-        cuts: Parameters that divide the path at first, from 0 to 1, ascending.
-        slacks: Plans along a divided path, and gives the slack of each bound.
-
-    Returns:
-        Parameters that divide the path so that no slack is negative.
+    The cuts are parameters from 0 to 1, ascending, at first and as returned; `slacks`
+    plans along a path that is divided so, and gives the slack of each bound.
 
     Raises:
         BoundError: More than `MOST_DIVIDED` segments would be needed.

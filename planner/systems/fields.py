@@ -31,13 +31,8 @@ KINKS = {"DiracDelta": lambda x, *_: np.where(x == 0, np.nan, 0.0)}
 def bracket(f: sp.Matrix, g: sp.Matrix, x: Sequence[sp.Symbol]) -> sp.Matrix:
     """The Lie bracket [f, g] = (dg/dx) f - (df/dx) g of symbolic fields, Sec. 2.
 
-    Args:
-        f: First field, a column with one expression for each symbol.
-        g: Second field, likewise.
-        x: Symbols of the state.
-
-    Raises:
-        ValueError: The shape of a field does not match the state.
+    Both are columns with one expression for each symbol of the state x. `ValueError`
+    says that a shape does not match it.
 
     Example:
         >>> from sympy import symbols

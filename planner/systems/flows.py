@@ -92,15 +92,9 @@ def contact_switches(
 ) -> int:
     """Number of lift-offs and touchdowns that a sequence of flows implies, eq. (12).
 
-    The first lift-off and the final touchdown are included.
-
-    Args:
-        system: System whose graph of strata gives the way from one stratum to another.
-        flows: Flows in time order.
-        start: Stratum before the first flow; the bottom stratum if empty.
-        goal: Stratum after the last flow; the bottom stratum if empty.
-        gait: Closed walk that is followed, through strata without flows too; the
-            shortest way if empty.
+    The first lift-off and the final touchdown are included. Start and goal are strata,
+    the bottom one if empty. Between strata the system's graph has the shortest way; a
+    gait is followed through strata without flows, too.
 
     Example:
         >>> from planner import Flow, StratifiedSystem, contact_switches
@@ -121,11 +115,7 @@ def flow_map(
 ) -> Array:
     """The configuration phi_t^g(x) after a flow along a field, eq. (2), shape (n,).
 
-    Args:
-        system: System that has the field.
-        name: Name of the field g.
-        x: Configuration before the flow, shape (n,).
-        duration: Signed duration t.
+    The field g has a name, x has shape (n,), and the duration t a sign.
 
     Raises:
         ValueError: The system has no such field.

@@ -67,10 +67,7 @@ class Curve:
 def least_time(setup: Setup, within: float, yaw: float = inf) -> float:
     """Time that any walk along the path takes at least [s], without holds.
 
-    Args:
-        setup: Robot, path and speeds.
-        within: How far the body may stray from the path [m].
-        yaw: How far it may turn from the path's yaw [rad].
+    The body may stray `within` from the path [m], and turn from its yaw [rad].
 
     Example:
         >>> from sim import least_time, load_scenario, prepare
