@@ -65,8 +65,8 @@ def integrate(
     The result is exact if the inputs and the rates of the coordinates are polynomials
     of lower degree than there are nodes. Inputs that are zero throughout are skipped.
 
-    Inputs v at the nodes of `collocation(nodes)` have shape (..., nodes, s). Coordinates
-    have shape (..., s), at time zero too, where they are zero if not given.
+    Inputs v at the nodes of `collocation(nodes)` have shape (..., nodes, s), and the
+    coordinates (..., s), at time zero too, where they are zero if not given.
 
     Raises:
         ValueError: The inputs are not finite or misshapen.
