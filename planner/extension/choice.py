@@ -72,12 +72,8 @@ def choose_elements(
 ) -> Choice:
     """Elements that span the bottom stratum's tangent space at given configurations.
 
-    Brackets of few fields are tried before brackets of all fields.
-
-    Args:
-        system: System to steer.
-        at: Configurations on the bottom stratum, shape (n,) or (k, n).
-        max_degree: Highest degree of brackets to try.
+    Brackets of few fields are tried before brackets of all fields. The configurations
+    are on the bottom stratum, shape (n,) or (k, n).
 
     Raises:
         RankError: No elements up to that degree span it.

@@ -167,13 +167,8 @@ def on_bottom(
 ) -> tuple[StratifiedSystem, list[Tree]]:
     """Make elements act on the bottom stratum as in eq. (14).
 
-    Args:
-        system: System whose fields the elements are made of.
-        trees: Elements over field names.
-
-    Returns:
-        The system, with a field `NAME_tangent` for every field NAME that is corrected,
-        and the elements over these fields.
+    The system has a field `NAME_tangent` for every field NAME that is corrected, and
+    the elements, trees of field names, are over these.
 
     Raises:
         DecouplingError: A lift field does not commute with a field that is used while
