@@ -241,9 +241,6 @@ def open_pool(workers: int, scheduler: str | None) -> Iterator[WorkerPool]:
             what = f"no scheduler answers, {' '.join(str(error).split())}"
             remedy = "start one with `dask scheduler`, and give its address"
             raise UsageError(what, str(at), remedy) from error
-        # The scheduler reports every death, instead of trying a task again itself.
-        before = client.run_on_scheduler(_allow_failures, 0)
-        stack.callback(_restore, client, before)
         try:
             yield WorkerPool(client)
         except KeyboardInterrupt:
@@ -276,14 +273,3 @@ def _local(stack: ExitStack, workers: int) -> LocalCluster:
         what = "a worker died as it started"
         raise SweepError(what, f"{workers} here", remedy) from error
     return stack.enter_context(cluster)
-
-
-def _restore(client: Client, before: int) -> None:
-    with suppress(OSError):  # the scheduler may be gone
-        client.run_on_scheduler(_allow_failures, before)
-
-
-def _allow_failures(count: int, dask_scheduler: Any = None) -> int:
-    before: int = dask_scheduler.allowed_failures
-    dask_scheduler.allowed_failures = count
-    return before
