@@ -269,6 +269,7 @@ def test_a_sweep_that_is_interrupted_says_how_far_it_is_and_how_to_go_on(tmp_pat
     )
     while process.poll() is None and not (ledger.exists() and ledger.stat().st_size):
         time.sleep(0.05)
+    time.sleep(1.0)  # until the line is on the disk, and its point counted
     workers = psutil.Process(process.pid).children(recursive=True)
     process.send_signal(signal.SIGINT)
     _, said = process.communicate(timeout=30)
