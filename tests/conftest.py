@@ -2,10 +2,12 @@
 
 import shutil
 import signal
+import subprocess
 
 import pytest
 from filelock import FileLock
 
+from models.description import inspection
 from models.description.robot import FOLDER
 from models.library import load as load_robot
 from sim.errors import RenderError
@@ -15,6 +17,7 @@ from sim.reports.page import NAME
 from sim.run_folder import run
 from sim.scenarios.body_path import line
 from sim.scenarios.scenario import Scenario
+from tests.trials import FORKED
 
 # A job in the background ignores these, and so would all that a test starts.
 ANSWERS = {signal.SIGINT: signal.default_int_handler, signal.SIGHUP: lambda *_: None}
@@ -28,6 +31,18 @@ def pytest_collection_modifyitems(items):
     for item in items:
         if item.get_closest_marker("full"):
             item.add_marker(pytest.mark.timeout(0))
+
+
+@pytest.fixture(autouse=True)
+def trials(monkeypatch):
+    """Robots of strangers are tried without the start of a process each."""
+    monkeypatch.setattr(inspection, "subprocess", FORKED)
+
+
+@pytest.fixture
+def alone(trials, monkeypatch):
+    """Models are tried in processes of their own, as everywhere but in tests."""
+    monkeypatch.setattr(inspection, "subprocess", subprocess)
 
 
 @pytest.fixture(scope="session")

@@ -1,8 +1,8 @@
 """Models of strangers are tried in forks of one process that has loaded the engine.
 
 They keep their limits; only the start of a process each is saved, which takes longer
-than most models. `tests/models/description/test_inspection.py` begins real ones, too,
-and so do all other folders of tests.
+than most models. Tests that ask for `alone` begin real ones, and so does every command
+that a test runs with an environment or streams of its own.
 """
 
 import json

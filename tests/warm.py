@@ -8,9 +8,13 @@ from importlib import import_module
 from io import StringIO
 
 import sim
+from models.description import inspection
 from sim.cli import main
 from sim.commands.declared import COMMANDS
+from tests import trials
 
+inspection.subprocess = trials.FORKED
+trials.begin()
 for name in dir(sim):
     getattr(sim, name)
 for declared in COMMANDS.values():

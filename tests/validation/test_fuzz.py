@@ -15,6 +15,7 @@ from scripts import fuzz
 from scripts.endings import Bounds, Ending, ending, other
 from scripts.fuzz import KINDS, answer, decided, fault, main
 
+pytestmark = pytest.mark.usefixtures("alone")  # limits of time and memory are at work
 ROOT = Path(__file__).resolve().parents[2]
 BRIEF, LONG = 5, 30  # [s], for all kinds of input together and for each by itself
 

@@ -2,12 +2,10 @@
 
 import os
 import re
-import subprocess
 import time
 
 import pytest
 
-from models.description import inspection
 from models.description.inspection import Limits, inspect_model
 from models.description.robot import FOLDER
 from models.errors import ModelError
@@ -35,12 +33,6 @@ def robot(tmp_path):
         return own / "mine.xml"
 
     return write
-
-
-@pytest.fixture
-def alone(monkeypatch):
-    """Models are tried in processes of their own, as everywhere but in tests."""
-    monkeypatch.setattr(inspection, "subprocess", subprocess)
 
 
 def mesh(path):
