@@ -57,6 +57,7 @@ def summary():
         error={
             "goal": Departure(position=0.002, yaw=-1e-4),
             "ideal": filled(PredictionError),
+            "measured": filled(PredictionError),
         },
         weighed=filled(Weighed),
         per_metre=PerMetre(),
