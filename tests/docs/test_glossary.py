@@ -33,7 +33,7 @@ def test_readme_pages_and_help_lead_to_the_glossary():
 
 def test_reports_explain_their_words_as_the_glossary_does():
     texts = {re.sub(r"[`*]", "", " ".join(text.split())) for text in TERMS.values()}
-    parts = (ROOT / "sim" / "reports" / "templates" / "parts.html").read_text()
+    parts = (ROOT / "sim" / "templates" / "parts.html").read_text()
     shown = re.findall(r'^  "[a-z, -]+": "(.+)",$', parts, re.MULTILINE)
     assert len(shown) > 5
     assert set(shown) <= texts
