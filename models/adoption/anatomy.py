@@ -281,9 +281,10 @@ def drafted_servo(pose: Pose, joints: Sequence[str], arm: float, legs: int) -> S
     mujoco.mj_fullM(model, pose.data, inertia)
     own = np.diag(inertia)[[int(model.joint(name).dofadr[0]) for name in joints]]
     weight = 9.81 * float(model.body_subtreemass[pose.root])
-    stiffness = STIFF * weight * arm / (legs / 2)
-    armature = max(stiffness / FASTEST**2 - float(own.min()), 0.0)
-    critical = 2 * float(np.sqrt(stiffness * (np.median(own) + armature)))
+    with np.errstate(over="ignore"):  # what comes out is looked at
+        stiffness = float(STIFF * weight * arm / (legs / 2))
+        armature = max(stiffness / FASTEST**2 - float(own.min()), 0.0)
+        critical = 2 * float(np.sqrt(stiffness * (np.median(own) + armature)))
     if not np.isfinite(critical):
         raise ModelError(f"too heavy: {weight:g} N; correct masses and densities")
     return Servo(stiffness, critical, armature=armature)

@@ -21,16 +21,20 @@ from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
 from typing import Any
 
-import dask
-from distributed import Client, Future, KilledWorker, LocalCluster, wait
-from distributed.deploy.spec import close_clusters
-
 from sim.errors import SweepError, UsageError, one_line
 from sim.preparation.shared import Shared
 from sim.scenarios.file import scenario_from
 from sim.simulation import simulate
 from sim.sweeps.ledger import OK, Outcome, differences, software
 from sim.versions import PACKAGES
+
+try:
+    import dask
+    from distributed import Client, Future, KilledWorker, LocalCluster, wait
+    from distributed.deploy.spec import close_clusters
+except ValueError as refusal:  # of a file of settings in Dask's own folders
+    what, remedy = str(refusal), "correct the file, or unset DASK_CONFIG"
+    raise UsageError(what, "settings of Dask", remedy) from None
 
 NO_WORKER_TIMEOUT = 120.0  # [s] without any worker, before that is an error
 ANSWER = "15s"  # for the scheduler to come forward

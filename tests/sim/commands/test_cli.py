@@ -29,7 +29,7 @@ QUICK = (*SHORT, "--set", 'predictions=["quasi_static"]')
     ("words", "code", "said"),
     [
         (["gallop"], 2, "unknown command 'gallop': the command line; there are run, "),
-        (["run"], 2, "required: SCENARIO"),
+        (["run"], 2, "SCENARIO missing: stratawalk run; for example"),
         (["run", "line", "--sgments", "3"], 2, "did you mean '--segments'?"),
         (["run", "line", "--segments", "many"], 2, "invalid int value: 'many'"),
         (["run", "line", "--out", "\udcff"], 2, "udcff' is not UTF-8: the command"),

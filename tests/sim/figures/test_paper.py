@@ -100,7 +100,7 @@ def test_a_sheet_is_saved_as_pictures_and_numbers(sheet, tmp_path):
     assert len(list(drawing.iter("{http://www.w3.org/2000/svg}path"))) > 20
     with (tmp_path / f"{sheet.name}.csv").open() as file:
         rows = list(csv.reader(file))
-    assert tuple(rows[0]) == sheet.table.header
+    assert rows[0] == list(sheet.table.header)
     assert [float(cell) for cell in rows[1]] == [float(c) for c in sheet.table.rows[0]]
 
 
