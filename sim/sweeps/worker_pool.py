@@ -32,6 +32,7 @@ try:
     import dask
     from distributed import Client, Future, KilledWorker, LocalCluster, wait
     from distributed.deploy.spec import close_clusters
+    from distributed.scheduler import NoValidWorkerError, NoWorkerError
 except ValueError as refusal:  # of a file of settings in Dask's own folders
     what, remedy = str(refusal), "correct the file, or unset DASK_CONFIG"
     raise UsageError(what, "settings of Dask", remedy) from None
@@ -47,6 +48,8 @@ QUIET = {
     "distributed.comm.timeouts.tcp": "600s",
     "distributed.deploy.lost-worker-timeout": "1h",  # its successor may start slowly
 }
+GONE = (KilledWorker, NoValidWorkerError, NoWorkerError)
+"""What Dask says of work whose worker is no more."""
 ALIKE = (*PACKAGES, "machine", "code")
 """Versions that must be the same on every worker."""
 SHARED = Shared()
@@ -152,7 +155,7 @@ class WorkerPool:
         """Let a worker take part if it computes with what we compute with."""
         if answer.status != "finished":
             error = answer.exception() if answer.status == "error" else None
-            if error is None or isinstance(error, KilledWorker):
+            if error is None or isinstance(error, GONE):
                 del self.asked[worker]  # its successor is asked anew
             else:
                 self.refused[worker] = one_line(error)
@@ -172,10 +175,13 @@ class WorkerPool:
         Dask would wait for it for ever: no other worker may do the work again.
         """
         while True:
-            with suppress(TimeoutError):
+            try:
                 return future.result(1)
-            if worker not in self._there():
+            except GONE:
                 return None
+            except TimeoutError:
+                if worker not in self._there():
+                    return None
 
     def _submit(self, worker: str, work: object, *given: object) -> Future:
         there = {"workers": [worker], "allow_other_workers": False}
@@ -199,7 +205,7 @@ class WorkerPool:
             raise CancelledError
         error = future.exception() if future.status == "error" else None
         future.cancel()
-        if error is not None and not isinstance(error, KilledWorker):
+        if error is not None and not isinstance(error, GONE):
             return task, Outcome(task.digest, one_line(error), software=software())
         self.deaths[task.digest] += 1
         if self.deaths[task.digest] < TRIES:
@@ -272,7 +278,7 @@ def _local(stack: ExitStack, workers: int) -> LocalCluster:
     except KeyboardInterrupt:
         atexit.unregister(close_clusters)  # which cannot close one half started
         raise
-    except RuntimeError as error:
+    except (RuntimeError, OSError) as error:
         remedy = "where memory is short, ask for fewer"
         what = "a worker died as it started"
         raise SweepError(what, f"{workers} here", remedy) from error
