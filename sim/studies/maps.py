@@ -96,7 +96,7 @@ def page(results: Results, found: Findings, table: Path, beside: Path) -> str:
         found=found,
         label=results.label,
         counts=Table(("farthest off, of the path", "points", "share"), counts),
-        explained=Table(("alone explains", "of departures", "of lost walks"), shares),
+        explained=Table(("alone explains", "of distances", "of lost walks"), shares),
         maps=[finish(figure, " and ".join(keys), []) for keys, figure in drawn],
         worst=_points(results, worst, folder, places),
         best=_points(results, best, folder, places),
