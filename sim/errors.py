@@ -46,7 +46,7 @@ class StratawalkError(Exception):
 
         It says `what; what to do`, or without the latter the remedy is taken.
         """
-        what, _, advice = str(error).partition("; ")
+        what, _, advice = str(getattr(error, "strerror", 0) or error).partition("; ")
         return cls(what, where, advice or remedy)
 
     def __reduce__(self) -> tuple[object, ...]:

@@ -1,6 +1,10 @@
 """Names that do harm where they are written without care, drawn at random."""
 
+import json
 import random
+import shutil
+
+from models.description.robot import FOLDER
 
 PARTS = (
     *"\n\r\t\0\x0b\x0c\x1b\x1c\x85\x7f\u2028\u2029\u202e\u200b\ufeff\xa0\ud800",
@@ -35,3 +39,17 @@ def elements(text):
 
     Reader().feed(text)
     return found
+
+
+def named_otherwise(folder, joint, file="mine"):
+    """The shipped hexapod with another name of its first swing joint."""
+    text = (FOLDER / "hexapod.xml").read_text()
+    text = text.replace('"swing_1"', f'"{joint}"')
+    card = (FOLDER / "hexapod.toml").read_text()
+    told = json.loads(json.dumps(joint)).replace("&#10;", "\n").replace("&#13;", "\r")
+    (folder / f"{file}.xml").write_text(text)
+    (folder / f"{file}.toml").write_text(
+        card.replace('"swing_1"', json.dumps(told, ensure_ascii=False))
+    )
+    shutil.copy(FOLDER / "scene.xml", folder)
+    return folder / f"{file}.xml"

@@ -130,7 +130,10 @@ SHEET_EDGE = 0.02  # around the sheet's feet [m]
 
 
 def draw(robot: Robot, folder: Path, *, allow_external: bool) -> None:
-    """Draw `JOINT.png` for every joint of the legs; RenderError where nothing can."""
+    """Draw `joint-1.png` for the first joint, and so on; RenderError where nothing can.
+
+    Files have no names of joints, which may be a stranger's.
+    """
     words = [str(robot.path), str(folder), *["external"] * allow_external]
     done = gl.child(gl.probe(), LIMIT, *words, module=__spec__.name)
     if done.returncode:
@@ -148,7 +151,7 @@ def _draw(robot: Robot, folder: Path) -> None:
     data, view = mujoco.MjData(model), mujoco.MjvCamera()
     view.distance, view.elevation = DISTANCE * kinematics.reach, ELEVATION
     with mujoco.Renderer(model, height=HEIGHT, width=WIDTH) as renderer:
-        for joint in robot.card.joints:
+        for number, joint in enumerate(robot.card.joints, 1):
             moved = _carried(model, int(model.joint(joint).bodyid[0]))
             model.geom_rgba[:] = palette.OUTLINE.rgba()
             model.geom_rgba[moved] = palette.group(1).rgba()
@@ -162,7 +165,7 @@ def _draw(robot: Robot, folder: Path) -> None:
                 view.azimuth = np.degrees(np.arctan2(place[1], place[0])) + ASIDE
                 renderer.update_scene(data, view)
                 halves.append(renderer.render())
-            Image.fromarray(np.hstack(halves)).save(folder / f"{joint}.png")
+            Image.fromarray(np.hstack(halves)).save(folder / f"joint-{number}.png")
 
 
 def _carried(model: mujoco.MjModel, body: int) -> Array:

@@ -12,6 +12,7 @@ from itertools import combinations
 from pathlib import Path
 from shlex import quote
 from typing import TYPE_CHECKING
+from warnings import catch_warnings, filterwarnings
 
 import numpy as np
 from markupsafe import Markup
@@ -65,7 +66,9 @@ def figures(
 
     varying = [key for key in results.keys if len(_labels(results.columns[key])) > 1]
     pairs: Sequence[tuple[str, ...]] = list(combinations(varying, 2))[:MOST_MAPS]
-    with mpl.rc_context({**STYLE, "svg.fonttype": fonts}):
+    style = {**STYLE, "svg.fonttype": fonts, "text.parse_math": False}  # as in `a$b$`
+    with mpl.rc_context(style), catch_warnings():
+        filterwarnings("ignore", "Glyph", UserWarning)  # names in any script
         for keys in pairs or [(key,) for key in varying]:
             figure, axes = sheet_of("a", HIGH)
             (_draw_map if len(keys) == 2 else _draw_curve)(axes["a"], results, *keys)

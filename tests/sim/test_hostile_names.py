@@ -5,12 +5,10 @@ writer as they are, and do nothing on their way.
 """
 
 import io
-import json
 import re
 import shutil
 import subprocess
 import tomllib
-from dataclasses import replace
 
 import mujoco
 import numpy as np
@@ -27,19 +25,14 @@ from models.description import (
     toml_key,
     toml_text,
 )
-from models.description.robot import FOLDER
 from sim.cli import main
 from sim.errors import UsageError, one_line
 from sim.evaluation import flows
 from sim.export import source
 from sim.export.servo_commands import ServoCommands
 from sim.export.servo_table import servo_table
-from sim.reports import comparison, page
-from sim.runs.run import read_run
-from sim.viewing.replay import _explained
-from tests.browser import ask
 from tests.finished_runs import phase
-from tests.hostile import elements, names
+from tests.hostile import named_otherwise, names
 
 NAMES = names(1000)
 PLAIN = [name for name in NAMES if is_plain(name)]
@@ -156,69 +149,6 @@ def test_a_c_compiler_takes_every_header(tmp_path):
         assert "INJECTED" not in done.stdout.decode()
 
 
-def spoilt(run):
-    """A run in which every name is one of the thousand."""
-    many = {name: name for name in NAMES if "\ud800" not in name}
-    mean = "".join(name for name in NAMES if "\ud800" not in name)
-    summary = replace(run.summary, scenario=mean, robot=mean, stance=mean)
-    return replace(
-        run,
-        settings={**run.settings, "description": mean, **many},
-        card_text=f"{run.card_text}\n# {''.join(PLAIN)}",
-        summary=summary,
-        phases=(*run.phases, phase("swing", "<b>", "<i>")),
-    )
-
-
-@pytest.fixture(scope="module")
-def pages(walked):
-    """Pages of a run and of the same with other names."""
-    run = read_run(walked)
-    return {
-        name: [make(run), make(spoilt(run))]
-        for name, make in (
-            ("report", page.page),
-            ("compare", lambda run: comparison.page(comparison.compare([run, run]))),
-        )
-    }
-
-
-def test_names_add_no_element_to_a_page(pages):
-    for plain, hostile in pages.values():
-        known = set(elements(plain))
-        added = set(elements(hostile)) - known
-        assert added == set()
-
-
-def test_names_add_no_element_to_a_replay(walked):
-    run = read_run(walked)
-    shell = "<html><title></title><body></body></html>"
-    name = "".join(PLAIN).replace("/", "").lstrip(".-")
-    mean = replace(run, settings={**run.settings, "name": name})
-    plain, hostile = (elements(_explained(shell, one, 1.0)) for one in (run, mean))
-    assert plain == hostile
-
-
-def test_chromium_finds_no_new_element(pages, tmp_path):
-    script = """
-      window.alert = () => { document.title = "INJECTED"; };
-      const count = {};
-      for (const element of document.querySelectorAll("*"))
-        for (const key of [element.localName, ...element.getAttributeNames()])
-          count[key] = 1;
-      return [Object.keys(count).sort(), document.scripts.length, document.title];"""
-    for name, texts in pages.items():
-        found = []
-        for number, text in enumerate(texts):
-            file = tmp_path / f"{name}{number}.html"
-            file.write_text(text, errors="replace")
-            found.append(ask(file, script, tmp_path))
-        (kinds, scripts, _), (more, as_many, title) = found
-        assert set(more) <= {*kinds, "wbr"}
-        assert as_many == scripts
-        assert "INJECTED" not in title
-
-
 def test_lines_of_phases_come_through_as_they_are():
     drawn = [phase("swing", name, name) for name in PLAIN]
     assert flows.read(flows.written(drawn)) == tuple(drawn)
@@ -232,20 +162,6 @@ def test_scenarios_have_plain_names(scenario):
             with pytest.raises(UsageError, match="a name without slashes") as found:
                 scenario(name=name)
             assert one_line(found.value).isprintable()
-
-
-def named_otherwise(folder, joint, file="mine"):
-    """The shipped hexapod with another name of its first swing joint."""
-    text = (FOLDER / "hexapod.xml").read_text()
-    text = text.replace('"swing_1"', f'"{joint}"')
-    card = (FOLDER / "hexapod.toml").read_text()
-    told = json.loads(json.dumps(joint)).replace("&#10;", "\n").replace("&#13;", "\r")
-    (folder / f"{file}.xml").write_text(text)
-    (folder / f"{file}.toml").write_text(
-        card.replace('"swing_1"', json.dumps(told, ensure_ascii=False))
-    )
-    shutil.copy(FOLDER / "scene.xml", folder)
-    return folder / f"{file}.xml"
 
 
 @pytest.mark.parametrize(

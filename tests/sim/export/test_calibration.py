@@ -16,6 +16,7 @@ from sim.export import calibration
 from sim.export.calibration import joint_servo, marks, strokes
 from sim.export.header import read_header
 from sim.export.servo_table import servo_table
+from tests.hostile import named_otherwise
 
 MAKE = SERVO_KINDS["mg90"]
 ROBOT = "hexapod-classroom"
@@ -223,10 +224,15 @@ def test_packets_are_those_of_the_makers_manuals():
 @pytest.mark.render
 @pytest.mark.usefixtures("driver")
 def test_each_joint_is_drawn_at_both_marks_in_colour(tmp_path):
-    robot = load(ROBOT)
-    calibration.draw(robot, tmp_path, allow_external=False)
-    for joint in robot.card.joints:
-        picture = np.asarray(Image.open(tmp_path / f"{joint}.png")).astype(int)
+    named = named_otherwise(tmp_path, "../../evil")  # no picture beside the folder
+    robot, folder = load(str(named)), tmp_path / "a" / "b"
+    folder.mkdir(parents=True)
+    before = set(tmp_path.rglob("*"))
+    calibration.draw(robot, folder, allow_external=False)
+    made = {folder / f"joint-{n}.png" for n in range(1, 1 + len(robot.card.joints))}
+    assert set(tmp_path.rglob("*")) - before == made
+    for file in made:
+        picture = np.asarray(Image.open(file)).astype(int)
         red = picture[..., 0] > picture[..., 1:].max(axis=-1) + 60
         left, right = np.split(red, 2, axis=1)
         assert left.any()

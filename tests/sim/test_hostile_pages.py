@@ -1,0 +1,127 @@
+"""Names that nobody would choose on the pages: they add no element to any."""
+
+import re
+from dataclasses import replace
+
+import pytest
+
+from models.description import is_plain
+from sim.cli import main
+from sim.reports import comparison, page
+from sim.runs.run import read_run
+from sim.sweeps.table import write_table
+from sim.templates import render
+from sim.viewing.replay import _explained
+from tests.browser import ask
+from tests.finished_runs import phase
+from tests.hostile import elements, names
+
+NAMES = names(1000)
+PLAIN = [name for name in NAMES if is_plain(name)]
+
+
+def spoilt(run):
+    """A run in which every name is one of the thousand."""
+    many = {name: name for name in NAMES if "\ud800" not in name}
+    mean = "".join(name for name in NAMES if "\ud800" not in name)
+    summary = replace(run.summary, scenario=mean, robot=mean, stance=mean)
+    return replace(
+        run,
+        settings={**run.settings, "description": mean, **many},
+        card_text=f"{run.card_text}\n# {''.join(PLAIN)}",
+        summary=summary,
+        phases=(*run.phases, phase("swing", "<b>", "<i>")),
+    )
+
+
+@pytest.fixture(scope="module")
+def pages(walked):
+    """Pages of a run and of the same with other names."""
+    run = read_run(walked)
+    return {
+        name: [make(run), make(spoilt(run))]
+        for name, make in (
+            ("report", page.page),
+            ("compare", lambda run: comparison.page(comparison.compare([run, run]))),
+        )
+    }
+
+
+def test_names_add_no_element_to_a_page(pages):
+    for plain, hostile in pages.values():
+        known = set(elements(plain))
+        added = set(elements(hostile)) - known
+        assert added == set()
+
+
+def test_names_add_no_element_to_a_replay(walked):
+    run = read_run(walked)
+    shell = "<html><title></title><body></body></html>"
+    name = "".join(PLAIN).replace("/", "").lstrip(".-")
+    mean = replace(run, settings={**run.settings, "name": name})
+    plain, hostile = (elements(_explained(shell, one, 1.0)) for one in (run, mean))
+    assert plain == hostile
+
+
+def test_names_add_no_element_to_the_page_of_a_calibration():
+    def page(joints):
+        rows = [(joint, 30.0, 60.0) for joint in joints]
+        return render("calibration.html", title=f"of {joints[0]}", rows=rows)
+
+    plain, hostile = page(["swing"] * len(PLAIN)), page(PLAIN)
+    added = set(elements(hostile)) - set(elements(plain))
+    assert added <= {("wbr", 0)}
+    pictures = re.findall('src="([^"]*)"', hostile)
+    assert pictures == [f"joint-{number}.png" for number, _ in enumerate(PLAIN, 1)]
+
+
+@pytest.fixture
+def studied(tmp_path):
+    """The page of a table whose settings, texts and verdicts have given names."""
+
+    def make(key, texts):
+        rows = [
+            {
+                "point": number, key: text, "friction": 0.1 * (number % 2),
+                "status": "ok", "verdict": text, "path_length": 0.1,
+                "distance_walked": 1.0, "error.quasi_static.farthest": 0.001 * number,
+            }
+            for number, text in enumerate(texts)
+        ]  # fmt: skip
+        asked = {"vary": {key: [], "friction": []}, "scenario": {"name": texts[0]}}
+        about = {"asked": asked | {"set": {texts[1]: texts[2]}}, "software": {}}
+        write_table(tmp_path / "table.parquet", rows, about)
+        page = tmp_path / "study.html"
+        assert main(["study", str(tmp_path / "table.parquet"), "--out", str(page)]) == 0
+        return page.read_text()
+
+    return make
+
+
+def test_names_add_no_element_to_the_page_of_a_study(studied):
+    texts = [name for name in NAMES if "\ud800" not in name][:40]
+    plain = studied("robot", [f"robot_{number}" for number in range(len(texts))])
+    for key in ("<script>alert(1)", "$\\nosuch$"):
+        hostile = studied(key, [*texts, "$\\nosuch$", "$x_{$"])
+        added = set(elements(hostile)) - set(elements(plain))
+        assert added <= {("text", 2), ("wbr", 0)}  # other ways to place a label
+
+
+def test_chromium_finds_no_new_element(pages, tmp_path):
+    script = """
+      window.alert = () => { document.title = "INJECTED"; };
+      const count = {};
+      for (const element of document.querySelectorAll("*"))
+        for (const key of [element.localName, ...element.getAttributeNames()])
+          count[key] = 1;
+      return [Object.keys(count).sort(), document.scripts.length, document.title];"""
+    for name, texts in pages.items():
+        found = []
+        for number, text in enumerate(texts):
+            file = tmp_path / f"{name}{number}.html"
+            file.write_text(text, errors="replace")
+            found.append(ask(file, script, tmp_path))
+        (kinds, scripts, _), (more, as_many, title) = found
+        assert set(more) <= {*kinds, "wbr"}
+        assert as_many == scripts
+        assert "INJECTED" not in title
