@@ -115,7 +115,7 @@ FOOTPRINT, SPOT, GOAL = 0.014, 0.032, 0.06  # radii; a spot is the centre of mas
 EDGE = 0.01  # width of the edges of support polygon and outline
 GHOST, GHOST_TORSO = 0.5, 0.12  # opacity of a predicted robot's legs and torso
 
-STYLES = tomllib.loads((files("sim") / "styles.toml").read_text())
+STYLES = tomllib.loads((files("sim") / "styles.toml").read_text("utf-8"))
 
 
 def style_of(drawings: str) -> dict[Any, Any]:

@@ -99,7 +99,9 @@ def source_of(name: str, allow_external: bool = False) -> Source:
     if drawn == given:
         inspect_model(path, (), allow_external, LIMITS)
     else:
-        with NamedTemporaryFile("w", suffix=".urdf", dir=path.parent) as file:
+        with NamedTemporaryFile(
+            "w", encoding="utf-8", suffix=".urdf", dir=path.parent
+        ) as file:
             file.write(drawn)
             file.flush()
             try:
@@ -113,7 +115,7 @@ def _in_folder(folder: Path) -> Path:
     """The MJCF of a folder that has a free joint; scenes only include one."""
     files = sorted(folder.glob("*.xml"), key=lambda f: ("scene" in f.stem, f.name))
     for path in files:
-        if path.is_file() and FREE.search(path.read_text(errors="replace")):
+        if path.is_file() and FREE.search(path.read_text("utf-8", "replace")):
             return path
     raise UnknownRobotError(
         f"no robot in {folder}: none of its {len(files)} MJCF files has a free joint; "

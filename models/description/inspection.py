@@ -65,7 +65,7 @@ def _refuse_pipes(path: Path, seen: set[Path]) -> None:
     seen.add(path)
     if not path.exists() or path.stat().st_size > LONGEST_TEXT:
         return
-    for name in NAMED.findall(path.read_text(errors="replace")):
+    for name in NAMED.findall(path.read_text("utf-8", "replace")):
         other = path.parent / name
         if other in seen or "\0" in name or not other.exists():
             continue

@@ -143,7 +143,7 @@ def write_mjcf(shape: Morphology, groups: Sequence[Collection[int]]) -> str:
 def _template() -> Template:
     from jinja2 import StrictUndefined, Template
 
-    text = Path(__file__).with_name("robot.xml.jinja").read_text()
+    text = Path(__file__).with_name("robot.xml.jinja").read_text("utf-8")
     template = Template(
         text, trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True,
         undefined=StrictUndefined,

@@ -88,7 +88,7 @@ def _shape(name: str, like: Mapping[str, Any], own: Mapping[str, Any]) -> Morpho
     return Morphology(damping=damping, **numbers)
 
 
-_TABLES = parse_toml(Path(__file__).with_name("shapes.toml").read_text())
+_TABLES = parse_toml(Path(__file__).with_name("shapes.toml").read_text("utf-8"))
 SHAPES = {name: _shape(name, _TABLES["hexapod"], own) for name, own in _TABLES.items()}
 MORPHOLOGIES = tuple(SHAPES.values())
 HEXAPOD = SHAPES["hexapod"]

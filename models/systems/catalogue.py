@@ -31,7 +31,7 @@ FOLDER = Path(__file__).parent  # with the shipped systems that are files
 
 
 def _content(name: str) -> dict[str, Any]:
-    return parse_toml((FOLDER / f"{name}.toml").read_text())
+    return parse_toml((FOLDER / f"{name}.toml").read_text("utf-8"))
 
 
 def _of_file(name: str, **values: object) -> Problem:

@@ -95,7 +95,7 @@ def save_plan(plan: Plan, path: Path | str) -> None:
     if not plan.gait:
         del table["gait"]
     with whole_file(path) as part:
-        part.write_text(json.dumps(table, default=np.ndarray.tolist))
+        part.write_text(json.dumps(table, default=np.ndarray.tolist), "utf-8")
 
 
 def load_plan(path: Path | str) -> Plan:

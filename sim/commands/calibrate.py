@@ -127,7 +127,7 @@ def _calibrated(
         for joint, servo in _found(robot, kind, known, clock, ask):
             known[joint] = servo
             with whole(file) as part:
-                part.write_text(card_with(robot.card_text, known, clock))
+                part.write_text(card_with(robot.card_text, known, clock), "utf-8")
     check = f"stratawalk calibrate {robot.path} --check"
     return {"card": f"{file}, {len(known)} servos", "next": check}
 

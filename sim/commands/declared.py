@@ -18,9 +18,9 @@ from sim.scenarios.settings import SETTINGS
 Declared = Mapping[str, Any]  # options by how they are used: help, a table, or `true`
 SIZES = 1e-6, 1e9  # of numbers in options
 
-COMMANDS = tomllib.loads((files("sim.commands") / "commands.toml").read_text())
+COMMANDS = tomllib.loads((files("sim.commands") / "commands.toml").read_text("utf-8"))
 """What is declared about each command, by its name, in the order of help."""
-GUESSES = tomllib.loads((files("sim.commands") / "guesses.toml").read_text())
+GUESSES = tomllib.loads((files("sim.commands") / "guesses.toml").read_text("utf-8"))
 """First guesses that a command line has not, and what is meant by them."""
 SHARED, EVERY, OF_SCENARIOS = (COMMANDS.pop(k) for k in ("shared", "every", "settings"))
 

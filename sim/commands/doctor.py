@@ -173,7 +173,7 @@ def _wanted() -> list[Requirement]:
     """What the constraints pin, or the package requires where there are none."""
     from packaging.requirements import Requirement
 
-    texts = [path.read_text() for path in PINS.glob("constraints*.txt")]
+    texts = [path.read_text("utf-8") for path in PINS.glob("constraints*.txt")]
     lines = [line for text in texts for line in text.splitlines() if "==" in line[:99]]
     if not texts:
         lines = distribution("stratawalk").requires or []

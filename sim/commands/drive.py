@@ -62,7 +62,11 @@ def drive(options: argparse.Namespace) -> None:
 def _opened(files: ExitStack, name: str, mode: str, standard: IO[str]) -> IO[str]:
     if mode == "w" and os.path.isfile(name):
         raise UsageError("already exists", name, "give --commands another name")
-    return standard if name == "-" else files.enter_context(open(name, mode))
+    return (
+        standard
+        if name == "-"
+        else files.enter_context(open(name, mode, encoding="utf-8"))
+    )
 
 
 class Poses:

@@ -122,7 +122,7 @@ def cite(options: argparse.Namespace) -> None:
             keys += _used(run)
             said = str(run.summary.versions.get("stratawalk", made))
             made = re.sub(r"[^\w.+-]", "", said)  # which ends no entry
-    text = (files("sim.commands") / "references.bib").read_text()
+    text = (files("sim.commands") / "references.bib").read_text("utf-8")
     entries = {
         re.findall(r"{(.*?),", part)[0]: f"@{part.strip()}"
         for part in text.removeprefix("@").split("\n@")

@@ -96,7 +96,7 @@ def _adopted(options: argparse.Namespace) -> tuple[Source, Draft, Setup, list[Pa
         for path, text in ((source.path, source.text), (card, draft.card)):
             if text is not None:
                 with whole(path) as part:
-                    part.write_text(text)
+                    part.write_text(text, "utf-8")
         with cli.working(options, "trying to stand"):
             name = str(source.path)
             robot = load(name, allow_external=options.allow_external)

@@ -31,7 +31,7 @@ FULL = 0.01  # of all steps in which a servo may give all it has
 LIGHT = 0.2  # of a motor's inertia; joints with less chatter
 BENT = 0.03  # [rad] on average, by which a servo lags behind its command
 RATTLED = 5  # bounces a touchdown; zeros and backlash of a few degrees make up to 3
-SAID = tomllib.loads((files("sim.evaluation") / "causes.toml").read_text())
+SAID = tomllib.loads((files("sim.evaluation") / "causes.toml").read_text("utf-8"))
 
 
 @dataclass(frozen=True)

@@ -202,12 +202,12 @@ def write_card(robot: Robot, card: Path, text: str) -> str:
     Returns how to use it, in words.
     """
     with whole(card) as part:
-        part.write_text(text)
+        part.write_text(text, "utf-8")
     model = card.with_suffix(".xml")
     alone = robot.is_shipped or robot.opened.files in ((), (robot.path,))
     if not alone or robot.has_card_inside:
         return f"{card}; put it in the place of the robot's own card"
     if not os.path.lexists(model):
         with whole(model) as part:
-            part.write_text(robot.read().to_xml())
+            part.write_text(robot.read().to_xml(), "utf-8")
     return f"{card}; use it as --robot {model}"

@@ -51,4 +51,4 @@ def _millimetres(metres: float, digits: int = 1) -> str:
 
 
 def _text(name: str) -> str:
-    return files(__name__).joinpath(name).read_text()
+    return files(__name__).joinpath(name).read_text("utf-8")

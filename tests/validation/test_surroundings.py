@@ -12,7 +12,8 @@ from sim.cli import main
 
 WALK = "--no-video --segments 1 --set path.goal=[0.005,0,0]"
 ELSEWHERE = {
-    "LC_ALL": "de_DE.UTF-8",
+    "LC_ALL": "C",
+    "PYTHONUTF8": "0",  # with the one above, text files are ASCII by default
     "TZ": "Asia/Tokyo",
     "PYTHONHASHSEED": "7",
     "OMP_NUM_THREADS": "1",
