@@ -28,7 +28,7 @@ from sim.fitting.poses import (
     walked_of_log,
     walked_of_run,
 )
-from sim.logs.log import Log, read_log
+from sim.logs.log import Log
 from sim.logs.playing import scenario_of
 from sim.preparation.setup import Setup, prepare
 from sim.progress import bar, stage
@@ -85,12 +85,13 @@ def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | No
         raise UsageError(what, "the command line", f"stratawalk fit hexapod {first}")
     run = runs.get(paths[0])
     robot = cli.robot_of(options, run.scenario.robot if run and not named else first)
-    logs = [
-        log_of(runs[path])
-        if path in runs
-        else read_log(path, robot.card.joints, robot.legs, options.units)
-        for path in paths
-    ]
+    settings = cli.settings_of(options)
+    if run and settings:
+        remedy = "leave --set out: the run has the settings that it was walked with"
+        raise UsageError("a run knows its settings", str(paths[0]), remedy)
+    scenario = run.scenario if run else scenario_of(robot, paths[0], settings)
+    read = cli.reader_of(options, robot, scenario)
+    logs = [log_of(runs[path]) if path in runs else read(path) for path in paths]
     for path, log in zip(paths, logs, strict=True):
         if log.measured is None and log.pose is None:
             remedy = "give columns measured.JOINT, or body.x, body.y and body.yaw"
@@ -100,8 +101,7 @@ def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | No
             remedy = "give the same columns, or fit each alone"
             raise UsageError(what, str(path), remedy)
     if run is not None:
-        return prepare(run.scenario, robot), logs, walked_of_run(run)
-    scenario = scenario_of(robot, paths[0], cli.settings_of(options))
+        return prepare(scenario, robot), logs, walked_of_run(run)
     setup = prepare(scenario, robot, log=logs[0])
     try:
         walked = None if logs[0].pose is None else walked_of_log(setup, logs[0])

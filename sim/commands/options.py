@@ -6,8 +6,9 @@ import argparse
 import json
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -20,6 +21,7 @@ from sim.scenarios.settings import SETTINGS
 
 if TYPE_CHECKING:
     from models import Robot
+    from sim.logs.log import Log, Readers
     from sim.scenarios.scenario import Scenario
 
 
@@ -75,6 +77,26 @@ def settings_of(options: argparse.Namespace) -> dict[str, object]:
             raise UsageError(f"{key} is given twice", f"--set {key}", "keep one")
         values[key] = value
     return values
+
+
+def reader_of(
+    options: argparse.Namespace, robot: Robot, scenario: Scenario
+) -> Callable[[Path], Log]:
+    """What reads a robot's logs, in `--units`; counts and pulses by its servo table."""
+    from sim.export.servo_table import servo_table
+    from sim.logs.log import read_log
+    from sim.world.servos import servo_settings
+
+    card, pulses = robot.card, options.units == "microseconds"
+    angles: Readers | str = options.units
+    if pulses or options.units == "counts":
+        settings = servo_settings(scenario, card)
+        make = settings.kind
+        pwm = pulses or (make is not None and make.signal == "pulse")
+        table = servo_table(card, card.joints, make, pwm, rate=settings.rate)
+        servos = (table.in_microseconds() if pulses else table).channels
+        angles = {servo.joint: servo.angle for servo in servos}
+    return partial(read_log, joints=card.joints, legs=robot.legs, angles=angles)
 
 
 def folder_of(options: argparse.Namespace) -> Path | None:

@@ -16,7 +16,7 @@ from sim.evaluation.quantities import describe
 from sim.evaluation.summary import Summary, Weighed
 from sim.folder import claim
 from sim.logs.alignment import together
-from sim.logs.log import Log, Reader, read_log
+from sim.logs.log import Log
 from sim.progress import bar
 from sim.scenarios.predictions import PREDICTIONS, who_ignores
 from sim.scenarios.scenario import Scenario, drawn
@@ -117,11 +117,8 @@ def play(options: argparse.Namespace) -> ExitCode:
     robot = cli.robot_of(options, options.robot)
     files = [Path(name) for name in options.files]
     scenario = scenario_of(robot, files[0], cli.settings_of(options))
-    angles: Reader | str = options.units
-    if options.units in ("counts", "microseconds"):
-        pulses = options.units == "microseconds"
-        angles = _by_servo_table(robot, scenario, pulses)
-    logs = [read_log(file, robot.card.joints, robot.legs, angles) for file in files]
+    read = cli.reader_of(options, robot, scenario)
+    logs = [read(file) for file in files]
     try:
         log = together(logs)
         log = log.repeated(options.repeat) if options.repeat > 1 else log
@@ -129,20 +126,6 @@ def play(options: argparse.Namespace) -> ExitCode:
         raise UsageError.at(str(files[0]), error) from error
     look = options.look if _can_film(options.video) else None
     return _walk(scenario, robot, look, options, log.done, log)
-
-
-def _by_servo_table(robot: Robot, scenario: Scenario, pulses: bool) -> Reader:
-    """A reader of counts, or of the length of pulses [us], by the card's servos."""
-    from sim.export.servo_table import servo_table
-    from sim.world.servos import servo_settings
-
-    card, settings = robot.card, servo_settings(scenario, robot.card)
-    make = settings.kind
-    pwm = pulses or (make is not None and make.signal == "pulse")
-    table = servo_table(card, card.joints, make, pwm, rate=settings.rate)
-    servos = (table.in_microseconds() if pulses else table).channels
-    of = {servo.joint: servo for servo in servos}
-    return lambda joint, numbers: of[joint].angle(numbers)
 
 
 def judged(

@@ -15,12 +15,14 @@ from models import MeasurementError
 from planner import Array
 from sim.evaluation.causes import Evidence
 from sim.evaluation.deviations import (
+    LEAST_WAY,
     Scale,
     departure,
     deviations,
     error_sources,
     off,
     per_metre,
+    predicted_way,
     require_holding,
     sensed,
 )
@@ -49,7 +51,7 @@ from sim.logs.alignment import Measured
 from sim.motion.prediction import Prediction
 from sim.preparation.shared import Cache, Shared, no_cache, world_cache
 from sim.progress import Progress, silent, stage
-from sim.scenarios.predictions import OF_MOTIONS, PREDICTIONS
+from sim.scenarios.predictions import OF_MOTIONS, PREDICTIONS, best
 from sim.versions import versions
 from sim.walking.finished import Walk
 
@@ -106,10 +108,16 @@ class Evaluation:
     def scale(self) -> Scale:
         """What distances are weighed by: the path, or the way that is predicted."""
         setup, made = self.walk.setup, self.predicted
+        reach = setup.kinematics.reach
         if setup.motion is None:
-            return Scale.of(setup.scenario.path, setup.kinematics.reach, made)
-        way = made[OF_MOTIONS[0]].pose[self.judged]
-        return Scale.along(way, setup.kinematics.reach, made)
+            return Scale.of(setup.scenario.path, reach, made)
+        return Scale(best(made), reach, self.way or LEAST_WAY * reach)
+
+    @property
+    def way(self) -> float:
+        """Length of the way that is predicted of a motion that is played [m]."""
+        rigid, setup = self.predicted[OF_MOTIONS[0]], self.walk.setup
+        return predicted_way(rigid.pose[self.judged], setup.kinematics.reach)
 
     def least_clearance(self, name: str) -> float | None:
         """Of the walk or of a prediction [m]; None where there are no obstacles."""
@@ -201,7 +209,7 @@ def summarise(
     swings = [p for p in walk.phases if p.kind == "swing"]
     off_goal, length, walked = {}, scenario.path.length, walk.distance
     if goal is None:
-        length = walked = evaluation.scale.length
+        length = walked = evaluation.way
     else:
         off_goal["goal"] = departure(pose, np.array(goal))
     switches, fastest = commanded_pace(walk)

@@ -196,7 +196,7 @@ def _unknown(evidence: Evidence) -> str:
     scenario, judge = evidence.walk.setup.scenario, evidence.weighed.prediction
     if not (names := PREDICTIONS[judge].ignored(scenario)):
         return ""
-    tried = scenario.replan or scenario.correct > 1
+    tried = scenario.replan or scenario.correct > 1 or scenario.motion is not None
     return say("still_unknown" if tried else "unknown", names=names)
 
 

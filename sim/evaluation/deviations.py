@@ -38,6 +38,7 @@ from sim.walking.finished import Walk
 
 NEAR = 0.02  # of the path: with yaw within a degree, as good as there
 SWAY = 0.25  # of the feet's distance from the middle
+LEAST_WAY = 0.01  # of that distance
 TRUSTED_MISS = 0.05  # of the path that a measured prediction may miss
 COMPARED = 1500  # poses that are compared with the path, evenly taken from all
 
@@ -125,6 +126,22 @@ def off(poses: Array, others: Array, length: float, walked: float) -> Prediction
     )
 
 
+def predicted_way(poses: Array, reach: float) -> float:
+    """Length of the way that is predicted of a motion that is played, (T, 3) [m].
+
+    Swaying within a quarter of the feet's distance from the middle is no way, nor is
+    what comes to less than a hundredth of it.
+    """
+    mark, length = poses[0, :2], 0.0
+    for place in poses[:, :2]:
+        if (step := float(np.hypot(*(place - mark)))) >= SWAY * reach:
+            mark, length = place, length + step
+    length += float(np.hypot(*(poses[-1, :2] - mark)))
+    yaw = np.unwrap(poses[:, 2])
+    length = max(length, reach * abs(float(yaw[-1] - yaw[0])))
+    return length if length >= LEAST_WAY * reach else 0.0
+
+
 @dataclass(frozen=True)
 class Scale:
     """What distances on a walk are weighed by."""
@@ -138,21 +155,6 @@ class Scale:
         """That of walks along a path, by the best of the predictions that were made."""
         turns = np.diff(path.curve.at(np.linspace(0, 1, COMPARED))[:, 2])
         return cls(best(made), reach, path.length or reach * float(np.abs(turns).sum()))
-
-    @classmethod
-    def along(cls, poses: Array, reach: float, made: Collection[str]) -> Scale:
-        """That of a motion that is played, by the way that is predicted, (T, 3).
-
-        Swaying within a quarter of the feet's distance from the middle is no way.
-        """
-        mark, length = poses[0, :2], 0.0
-        for place in poses[:, :2]:
-            if (step := float(np.hypot(*(place - mark)))) >= SWAY * reach:
-                mark, length = place, length + step
-        length += float(np.hypot(*(poses[-1, :2] - mark)))
-        yaw = np.unwrap(poses[:, 2])
-        turned = abs(float(yaw[-1] - yaw[0]))
-        return cls(best(made), reach, max(length, reach * turned))
 
     def weigh(
         self, poses: Array, predicted: Array, goal: Sequence[float] | None

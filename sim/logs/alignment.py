@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from math import degrees, radians
+from math import degrees, hypot, radians
 
 import numpy as np
 
@@ -91,6 +91,10 @@ def measured(log: Log, time: Array, predicted: Array) -> Measured | None:
     if not np.isfinite(pose[:, 2]).all():
         pose[:, 2] = predicted[:, 2]
         done.append("no yaw was measured; the prediction's stands for it")
+    x, y, yaw = pose[0].tolist()
+    if hypot(x, y) > MOVED_ENOUGH or abs(wrap(yaw)) > TURNED_FRAME:
+        first = f"({x:.3g}, {y:.3g}) m and {degrees(yaw):.1f} degrees"
+        done.append(f"poses count from the first one, at {first} in their frame")
     seen = seen_from(pose[0], pose)
     turned = _turned(seen, predicted)
     if abs(turned) > TURNED_FRAME:

@@ -39,7 +39,7 @@ BODY = {
 ANGLES = ("body.yaw", "body.roll", "body.pitch", "body.yaw.error")
 
 Gait = Callable[[float], Mapping[str, float]]  # joint angles [rad] at a time [s]
-Reader = Callable[[str, Array], Array]  # angles [rad] of a joint's numbers
+Readers = Mapping[str, Callable[[Array], Array]]  # angles [rad] of joints' numbers
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,8 +114,8 @@ def of_function(gait: Gait, duration: float, rate: float = 200.0) -> Log:
     time = np.arange(round(duration * rate) + 1) / rate
     rows = [dict(gait(float(t))) for t in time]
     joints = tuple(rows[0])
-    if any(row.keys() != rows[0].keys() for row in rows):
-        raise ValueError("gait(t) names other joints at other times")
+    if not joints or any(row.keys() != rows[0].keys() for row in rows):
+        raise ValueError("gait(t) names no joint, or others at other times")
     return Log(time, joints, np.array([[float(r[j]) for j in joints] for r in rows]))
 
 
@@ -128,7 +128,7 @@ def require_joints(named: Sequence[str], known: Sequence[str]) -> None:
 
 
 def read_log(
-    path: Path, joints: Sequence[str], legs: Sequence[int], angles: Reader | str = ""
+    path: Path, joints: Sequence[str], legs: Sequence[int], angles: Readers | str = ""
 ) -> Log:
     """Read a log from a file of anybody.
 
@@ -137,7 +137,7 @@ def read_log(
         joints: Names of the robot's joints that may have a column.
         legs: Numbers of its legs.
         angles: What the columns of joints are in: `degrees`, where all angles of the
-            file are, or a function from a joint and its numbers to radians.
+            file are, or what makes radians of the numbers of each joint.
 
     Raises:
         UsageError: It is no such table, or too large; a column is nothing of the robot,
@@ -152,15 +152,15 @@ def read_log(
 
 def _table(path: Path) -> dict[str, Array]:
     """Columns of numbers by name, NaN where cells are empty."""
-    text = read_file(path, LARGEST_LOG).decode("utf-8-sig")
+    text = read_file(path, LARGEST_LOG).decode("utf-8-sig", "replace")
     first = text.partition("\n")[0]
     parted = max(",;\t", key=first.count)
     lines = (row for row in csv.reader(text.splitlines(), delimiter=parted) if row)
     names = [name.strip() for name in next(lines, [])]
-    if twice := Counter(names) - Counter(set(names)):
-        raise ValueError(f"column {min(twice)!r} comes twice")
     if TIME not in names:
         raise ValueError("no column 'time'; begin with a line of names: time, JOINT")
+    if twice := Counter(names) - Counter(set(names)):
+        raise ValueError(f"column {min(twice)!r} comes twice")
     cells: list[list[float]] = []
     for number, row in enumerate(lines, 1):
         if len(row) != len(names):
@@ -187,7 +187,7 @@ def _log(
     columns: dict[str, Array],
     joints: Sequence[str],
     legs: Sequence[int],
-    angles: Reader | str,
+    angles: Readers | str,
 ) -> Log:
     time = columns.pop(TIME)
     _check_time(time)
@@ -199,8 +199,8 @@ def _log(
         raise ValueError(f"no column of a joint; give one of {', '.join(joints)}")
     for name, numbers in columns.items():
         joint = name.removeprefix(MEASURED)
-        if callable(angles) and joint in joints:
-            columns[name] = angles(joint, numbers)
+        if not isinstance(angles, str) and joint in joints:
+            columns[name] = angles[joint](numbers)
         elif angles == "degrees" and (joint in joints or name in ANGLES):
             columns[name] = np.radians(numbers)
     start, done = time - time[0], [*_said_of_clock(time)]
@@ -213,6 +213,8 @@ def _log(
     for name, numbers in columns.items():
         if (np.abs(numbers) > LARGEST).any():
             raise ValueError(f"a number beyond {LARGEST:g} in column {name!r}")
+        if name in contacts.values() and not {*numbers[numbers == numbers]} <= {0, 1}:
+            raise ValueError(f"column {name!r} has numbers other than 0 and 1")
     if ("body.x" in columns) != ("body.y" in columns):
         raise ValueError("only one of body.x and body.y; give both")
     return Log(

@@ -123,7 +123,7 @@ def _scenario(table: Table, path: Path) -> Table:
     if isinstance(named, Mapping):
         own, named = {**named, **own}, None
     if named is None:
-        if "path" not in own:
+        if not {"path", "motion"} & own.keys():
             raise UsageError("no scenario is named", str(path), remedy)
         own = {"name": path.stem, **own}
         anchor(own, path.parent)

@@ -112,8 +112,9 @@ def test_settings_that_predictions_ignore_are_named_with_the_next_step(evidence)
     loaded = with_settings(evidence, payload=(0.1, 0.0, 0.0, 0.0), backlash=0.01)
     found = likely_cause("drifted", loaded)
     assert "know nothing of backlash, payload: plan again on the way (--rep" in found
-    again = with_settings(loaded, replan=True)
-    assert "leave them out one at a time" in likely_cause("drifted", again)
+    for without_plan in ({"replan": True}, {"motion": "gait.csv"}):
+        again = with_settings(loaded, **without_plan)
+        assert "leave them out one at a time" in likely_cause("drifted", again)
 
 
 def planned_aside(evidence, *names):

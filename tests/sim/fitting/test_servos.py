@@ -148,6 +148,19 @@ def test_a_card_is_written_that_walks_use(tmp_path, capsys):
     assert drawn(given, robot).zero_offset == 0.01
 
 
+def test_logs_in_counts_are_fitted_as_those_in_radians(tmp_path, capsys):
+    classroom_log(tmp_path / "log.csv")
+    names, *rows = (tmp_path / "log.csv").read_text().splitlines()
+    table = np.array([row.split(",") for row in rows], dtype=float)
+    table[:, 1:] = 2048 + table[:, 1:] * 4096 / (2 * np.pi)
+    log = str(tmp_path / "counts.csv")
+    np.savetxt(log, table, "%.9g", ",", header=names, comments="")
+    assert main(["fit", "hexapod", log, "--units", "counts", "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    zeros = told["settings"]["zero_offset"]["value"]
+    assert zeros[:2] == pytest.approx([np.radians(0.5)] * 2, abs=0.003)
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [

@@ -16,7 +16,7 @@ JOINTS, LEGS = ("hip_1", "lift_1"), (1, 2)
 def read(tmp_path: Path):
     def reading(text: str, angles="") -> Log:
         path = tmp_path / "log.csv"
-        path.write_text(text)
+        path.write_text(text, encoding="latin-1")
         return read_log(path, JOINTS, LEGS, angles)
 
     return reading
@@ -46,7 +46,7 @@ def test_degrees_hold_for_every_angle_and_a_function_for_joints_alone(read):
     log = read(text, "degrees")
     assert log.commanded[0] == log.measured[0] == log.pose[0, 2] == np.pi / 2
     assert log.spread[0, 2] == np.pi / 2
-    log = read(text, lambda joint, counts: (counts - 90) / 100)
+    log = read(text, {"hip_1": lambda counts: (counts - 90) / 100})
     assert (log.commanded[0], log.measured[0], log.pose[0, 2]) == (0, 0, 90)
 
 
@@ -76,6 +76,9 @@ def test_what_was_done_to_a_log_is_said(read):
         ("time,hip_1\n0,0\n1e-9,1\n9,1\n", "from 0 s to 1e-09 s in row 2: .*; sort"),
         ("time,hip_1,body.x,body.y\n0,0,0,0\n1,1,1,1e308\n", "beyond 1e.06 in .*y'"),
         ("time,hip_1,measured.hip_1\n0,0,0\n1,1,-2e6\n", "number beyond 1e.06 in .*m"),
+        ("time,hip_1,contact.1\n0,0,1\n1,1,7\n", "'contact.1' has .* other than 0"),
+        ("0,0,0\n1,0,0\n", "no column 'time'"),
+        ("\x80\x04\x95\xee", "no column 'time'"),
         (f"time{',a' * 10**6}\n0\n", "column 'a' comes twice"),
         (f"time{',' * 10**6}\n" + f"0{',0' * 10**6}\n" * 10, "column '' comes twice"),
         ("time,hip_1\n0,0\n1,inf\n", "'inf' in row 2, column 'hip_1'"),
