@@ -93,13 +93,13 @@ class Captions:
 def _title(walk: Run) -> list[str]:
     scenario = walk.scenario
     steered = f"{scenario.fields} fields, {walk.segments} segments"
-    return [
-        scenario.name,
-        f"{Path(scenario.robot).stem}: {scenario.description or steered}",
-        "",
+    what = scenario.description or ("played" if scenario.motion else steered)
+    plan = [
         "Legs that can only swing and lift; a plan made of Lie brackets",
         "after Goodwine and Burdick, IROS 2000; physics by MuJoCo",
     ]
+    about = ["Motion from elsewhere; physics by MuJoCo"] if scenario.motion else plan
+    return [scenario.name, f"{Path(scenario.robot).stem}: {what}", "", *about]
 
 
 def _results(walk: Run) -> list[str]:

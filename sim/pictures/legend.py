@@ -106,7 +106,8 @@ def _font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
 def legend(walk: Run) -> Panel:
     """The panel at the top left: the walk, and the meaning of the colours."""
     scenario, lines, room = walk.scenario, _lines(walk), WIDE - 2 * PAD
-    about = f"{Path(scenario.robot).stem}, {scenario.fields} fields"
+    way = "played" if scenario.motion else f"{scenario.fields} fields"
+    about = f"{Path(scenario.robot).stem}, {way}"
     still, draw = empty(WIDE, TITLE - 2 + LINE * len(lines))
     text(draw, (PAD, 10), fitting(scenario.name, room, LARGE), LARGE)
     text(draw, (PAD, 46), fitting(about, room), colour=palette.FAINT)
@@ -119,12 +120,14 @@ def legend(walk: Run) -> Panel:
 
 def entries(walk: Run) -> list[tuple[str, Colour]]:
     """Labels and colours of what viewer and replay show."""
-    paths = [palette.NOMINAL, *(palette.PREDICTED[name] for name in walk.drawn)]
+    paths = [palette.PREDICTED[name] for name in walk.drawn]
+    path, end = walk.path_labels
     groups, front = noun(walk.legs_per_group), nose(walk)
     return [
         *([("nose, the front", front)] if front else []),
+        (path, palette.NOMINAL.colour),
         *((mark.label, mark.colour) for mark in (*paths, palette.ACHIEVED)),
-        ("goal", palette.NOMINAL.colour),
+        (end, palette.NOMINAL.colour),
         ("support polygon", palette.STABLE),
         ("support polygon, weight outside", palette.LIMIT),
         *(
@@ -156,7 +159,7 @@ def _lines(walk: Run) -> list[tuple[str, Colour, str]]:
     thought = (palette.THOUGHT.label, palette.THOUGHT.colour, "ring")
     bumps = f"contours, {1000 * contour_step(walk):.3g} mm"
     lines = [
-        ("nominal path, goal", NOMINAL.colour, "dashes"),
+        (", ".join(walk.path_labels), NOMINAL.colour, "dashes"),
         *((label, PREDICTED[n].colour, "line") for n, label in labels.items()),
         (palette.ACHIEVED.label, palette.ACHIEVED.colour, "line"),
         ("support, centre of mass", palette.STABLE, "area"),

@@ -54,7 +54,8 @@ def plan_view(run: Run) -> Drawing:
             axes.plot(*(MM * outline.T), **THOUGHT.line())
         if run.thought:
             keys.append(Key.of(THOUGHT, f"{THOUGHT.label}, 90 % sure"))
-        return finish(figure, "Path of the body's centre, x and y [mm]", keys, NOTE)
+        note = "" if run.settings.get("motion") else NOTE
+        return finish(figure, "Path of the body's centre, x and y [mm]", keys, note)
 
 
 def errors(run: Run) -> Iterator[Drawing]:
@@ -122,7 +123,7 @@ def _draw_place(axes: Axes, run: Run) -> list[Key]:
     ring: Style = {"mfc": "none", "mew": 1.4, "color": NOMINAL.colour.hex}
     axes.plot(*(MM * run.nominal[-1, :2]), "o", markersize=8, **ring)
     axes.set_aspect("equal", adjustable="datalim")
-    return [Key.of(NOMINAL, "nominal path")]
+    return [Key.of(NOMINAL, run.path_labels[0])]
 
 
 def _shares(run: Run) -> Array:

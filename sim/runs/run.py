@@ -176,6 +176,13 @@ class Run:
         poses = np.array([path(s) for s in np.linspace(0, 1, NOMINAL_POINTS)])
         return poses if self.frame is None else compose(self.frame, poses)
 
+    @property
+    def path_labels(self) -> tuple[str, str]:
+        """What that path and its end are called; a played motion has no goal."""
+        if "motion" in self.settings:
+            return "predicted way", "its end"
+        return "nominal path", "goal"
+
     @cached_property
     def thought(self) -> tuple[Array, ...]:
         """Where feedback was 90 % sure to be, if not told exactly, lines (n, 2) [m]."""

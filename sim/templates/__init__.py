@@ -47,7 +47,7 @@ def _breakable(name: str) -> Markup:
 
 
 def _millimetres(metres: float, digits: int = 1) -> str:
-    return f"{1e3 * metres:.{digits}f} mm"
+    return f"{1e3 * metres:z.{digits}f} mm"
 
 
 def _text(name: str) -> str:
