@@ -26,7 +26,7 @@ from planner.optimisation.constraints import (
     path_distance,
     stage_function,
 )
-from planner.optimisation.solver import WARM, Expression, Ipopt, Options, solver
+from planner.optimisation.solver import Expression, Ipopt, solver
 from planner.optimisation.stages import Stage
 from planner.optimisation.task import Solution, Task
 from planner.planning.paths import Path
@@ -176,11 +176,9 @@ class Program:
         dearest = max(task.cost(s.stroke) for s in task.stages if s.stroke)
         self._width_cost = WIDTH_COST * dearest
         self._constraints = Constraints()
-        self._program = self._built()
         _, straight = curve_function(path, task.moved)
         # scalar operations take less than half of the time, but know no splines
-        self._options: Options = {"expand": straight}
-        self._solver = Ipopt(self._program, self._options)
+        self._solver = Ipopt(self._built(), {"expand": straight})
 
     def guess(
         self, strokes: Array, start: Array, places: tuple[float, float]
@@ -226,7 +224,7 @@ class Program:
 
     @cached_property
     def _warm_solver(self) -> Ipopt:
-        return Ipopt(self._program, WARM | self._options)
+        return self._solver.warm()
 
     def _built(self) -> dict[str, Expression]:
         """Unknowns x, cost f and constraints g."""

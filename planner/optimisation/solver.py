@@ -24,7 +24,7 @@ from planner.support.stopping import tick
 
 Expression = Any
 """A symbol, expression or function of CasADi, or the module itself: it has no types."""
-Options = dict[str, str | bool | int | float]
+Options = dict[str, Any]
 
 QUIET: Options = {
     "ipopt.print_level": 0,
@@ -96,6 +96,14 @@ class Ipopt:
         self._watch = _watch()(program["x"].numel(), program["g"].numel())
         settings = QUIET | {"iteration_callback": self._watch} | (options or {})
         self._solver = solver().nlpsol("plan", "ipopt", program, settings)
+        self._given = program, options or {}
+
+    def warm(self) -> Ipopt:
+        """The same program, with its derivatives, to be solved from near a solution."""
+        program, options = self._given
+        names = {"grad_f": "nlp_grad_f", "jac_g": "nlp_jac_g", "hess_lag": "nlp_hess_l"}
+        derived = {key: self._solver.get_function(n) for key, n in names.items()}
+        return Ipopt(program, options | WARM | derived)
 
     def __call__(self, **values: Array) -> dict[str, Expression] | None:
         """The local optimum from a guess `x0` in bounds `lbx`, `ubx`, `lbg`, `ubg`.

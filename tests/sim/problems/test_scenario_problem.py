@@ -106,7 +106,7 @@ def test_margins_as_expressions_are_those_of_the_prediction(setup):
 def test_a_least_margin_is_kept(monkeypatch):
     for name in ("CLOSELY", "PATIENT_FOR", "FINALISTS"):
         monkeypatch.setattr(f"planner.optimisation.windows.{name}", 1)
-    near = {"path.goal": [0.02, 0.02, 0.0], "segments": 4, "hops": 1}
+    near = {"path.goal": [0.01, 0.01, 0.0], "segments": 2, "hops": 0}
     setup = setup_of(**near, min_margin=0.045)
     found = ScenarioProblem(setup).solve().plan
     assert Judge(setup).margin_lack(list(found.segments())) == 0.0
