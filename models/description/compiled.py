@@ -229,7 +229,7 @@ def is_position_servo(gain: float, bias: float) -> bool:
 
     Gain `gainprm[0]` and bias `biasprm[1]`, the latter per unit of the joint's angle.
     """
-    return bool(gain > 0 and np.isclose(bias, -gain))
+    return bool(gain > 0 and abs(bias + gain) <= 1e-5 * gain)  # as text rounds it
 
 
 def actuators_of(model: mujoco.MjModel, joint: str) -> list[int]:

@@ -14,6 +14,7 @@ from sim.walking.walks import Walker, carry_out
 
 pytestmark = pytest.mark.physics
 PATH = {"path": {"kind": "line", "goal": [0.01, 0.01, 0.1]}, "segments": 2}
+BRIEF = {"segments": 1, "predictions": ["quasi_static", "compliant"]}
 
 
 def judge(changes):
@@ -30,7 +31,7 @@ def judged(request):
 
 @pytest.fixture(scope="module")
 def every_step():
-    return judge({"sample_every": 1})
+    return judge(BRIEF | {"sample_every": 1})
 
 
 def test_the_walk_starts_after_the_hold(judged):
@@ -98,7 +99,7 @@ def test_switches_achieved_are_those_of_the_contacts(every_step):
 
 def test_the_summary_is_that_of_every_step_whatever_is_written(every_step):
     evaluation, summary = every_step
-    _, coarse = judge({"sample_every": 1_000_000})
+    _, coarse = judge(BRIEF | {"sample_every": 1_000_000})
     assert coarse == summary
     margin = evaluation.achieved.margin[evaluation.walking].min()
     assert summary["achieved"]["min_margin"] == margin

@@ -17,7 +17,7 @@ from scripts.fuzz import KINDS, answer, decided, fault, main
 
 pytestmark = pytest.mark.usefixtures("alone")  # limits of time and memory are at work
 ROOT = Path(__file__).resolve().parents[2]
-BRIEF, LONG = 5, 30  # [s], for all kinds of input together and for each by itself
+BRIEF, LONG = 2, 30  # [s], for all kinds of input together and for each by itself
 
 
 @pytest.mark.parametrize(
@@ -84,7 +84,7 @@ def test_a_case_that_never_ends_is_a_find_and_not_the_end_of_the_fuzz(tmp_path):
     """The compiler is busy for minutes, and no signal of Python's interrupts it."""
     robot(tmp_path, "<worldbody>", BOMB)
     words = ["robots", "mine.xml"]
-    assert "in time" in fault(words, tmp_path, Bounds(patience=2))
+    assert "in time" in fault(words, tmp_path, Bounds(patience=1))
     (tmp_path / "mine.xml").write_text("")
     assert decided(words, tmp_path, Bounds(patience=100)) is None  # on a busy machine
 

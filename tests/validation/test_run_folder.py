@@ -24,7 +24,7 @@ from tests.walks import COSTLY
 
 pytestmark = pytest.mark.physics
 
-SHORT = {"path": {"kind": "line", "goal": [0.01, 0.01, 0.05]}, "segments": 2}
+SHORT = {"path": {"kind": "line", "goal": [0.005, 0.005, 0.025]}, "segments": 1}
 CONTRACT = {
     "time", "qpos", "qvel", "achieved_pose", "predicted_pose", "contact",
     "planned_contact", "slip", "predicted_slip", "achieved_margin", "predicted_margin",

@@ -11,6 +11,7 @@ import pytest
 from sim.cli import main
 
 WALK = "--no-video --segments 1 --set path.goal=[0.005,0,0]"
+WALK += ' --set predictions=["compliant"]'
 ELSEWHERE = {
     "LC_ALL": "C",
     "PYTHONUTF8": "0",  # with the one above, text files are ASCII by default

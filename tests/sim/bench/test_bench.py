@@ -78,8 +78,8 @@ def test_memory_of_the_command_is_that_of_its_processes_in_megabytes(monkeypatch
 
 
 def test_optimised_walks_are_measured_beside_the_printed_one(monkeypatch):
-    short = {"path.goal": [0.03, 0.0, 0.0], "segments": 2}
-    short |= {"path_tolerance": 0.02, "hops": 2}
+    short = {"path.goal": [0.015, 0.0, 0.0], "segments": 1}
+    short |= {"path_tolerance": 0.02, "hops": 0}
     monkeypatch.setattr(speed, "WALKS", {"short": (short, 20.0)})
     first, seconds, least, factor, took = speed.optimised()
     assert first.wanted == "< 2"

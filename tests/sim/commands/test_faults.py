@@ -5,6 +5,7 @@ import subprocess
 import sys
 import time
 
+import psutil
 import pytest
 
 from tests.commands import COMMAND, OUTSIDE, refusal
@@ -207,7 +208,9 @@ def test_ctrl_c_is_answered_while_a_users_model_compiles(robot, tmp_path):
         stderr=subprocess.PIPE,
         text=True,
     )
-    time.sleep(6)  # long enough to be compiling, on any machine that runs this
+    command = psutil.Process(process.pid)
+    while not (tried := command.children()) or tried[0].cpu_times().user < 1.0:
+        time.sleep(0.05)  # until it has loaded the engine and is compiling
     process.send_signal(signal.SIGINT)
     _, said = process.communicate(timeout=20)
     assert process.returncode == 130

@@ -15,6 +15,7 @@ from sim.scenarios.scenario import drawn
 from sim.scenarios.settings import IMPERFECTIONS
 
 SHORT = ["--set", "path.goal=[0.01,0.01,0]", "--segments", "2", "--no-video"]
+SHORT += ["--set", 'predictions=["quasi_static"]']
 
 
 @pytest.fixture(scope="module")

@@ -19,8 +19,8 @@ def interrupted(self, *given):
 setattr(WindowSearch, sys.argv.pop(1), interrupted)
 runpy.run_module("sim.cli", run_name="__main__", alter_sys=True)
 """
-PLANNED = ("plan", "line", "--optimise", "time", "--segments", "2")
-NEAR = ("path.goal=[0.01,0.01,0]", "path_tolerance=0.02", "yaw_tolerance=3.2")
+PLANNED = ("plan", "line", "--optimise", "time", "--segments", "1")
+NEAR = ("path.goal=[0.005,0.005,0]", "path_tolerance=0.02", "yaw_tolerance=3.2")
 
 
 def interrupted_in(method):

@@ -43,7 +43,9 @@ def test_the_body_is_no_faster_than_its_stride():
 
 
 def test_a_plan_takes_longer():
-    setup = prepare(load_scenario("line", {"path.goal": [0.1, 0.0, 0.0]}))
+    setup = prepare(
+        load_scenario("line", {"path.goal": [0.05, 0.0, 0.0], "segments": 10})
+    )
     planned = plan_open_loop(setup)
     judge = Judge(setup)
     bound = least_time(setup, judge.deviation(planned).position)

@@ -16,6 +16,7 @@ from sim.simulation import simulate
 from sim.world.model import build
 
 LESS = ("identified", "compliant", "creep_floor")
+STAND = ("compliant", "creep_floor")
 OTHER = {
     "friction": 0.7, "servo": "mg90", "servo_stiffness": 432.198765,
     "servo_damping": 3.21987654, "command_rate": 200.0, "resolution": 0.001,
@@ -124,19 +125,13 @@ def test_a_walk_that_shares_has_the_numbers_of_one_that_does_not(plain):
     first = replace(short, path=line((0.004, 0.004, 0.0)))
     points = [
         (first, ("compliant",)),
-        (changed(first, "servo_stiffness"), LESS),
-        (
-            replace(first, swing_speed=1.5),
-            ("compliant",),
-        ),  # in the same world, identified anew
+        (replace(first, swing_speed=1.5), STAND),  # in the same world, identified anew
         (
             replace(first, path=line((0.005, 0.004, 0.0))),
             ("compliant",),
         ),  # measured before
         (changed(first, "friction"), LESS),  # with the predictions of the first
-        (changed(changed(first, "payload"), "foot_friction"), LESS),
         (replace(first, fields="paper"), LESS),
-        (changed(replace(first, fields="paper"), "friction"), LESS),
     ]
     for point, without in points:
         done = simulate(point, shared=shared, without=without).summary

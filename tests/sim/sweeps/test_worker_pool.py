@@ -52,8 +52,8 @@ def running(kind, *words, env=ENV):
 
 
 @contextmanager
-def cluster(folder, count=2, env=ENV):
-    """Address of a real scheduler with workers, all on loopback."""
+def cluster(folder, env=ENV):
+    """Address of a real scheduler with a worker, both on loopback."""
     file = folder / "scheduler.json"
     host = ("--host", "127.0.0.1")
     with (
@@ -66,7 +66,7 @@ def cluster(folder, count=2, env=ENV):
             time.sleep(0.1)
         address = pandas.read_json(file, typ="series")["address"]
         with running(
-            "worker", address, *host, "--nworkers", count, "--nthreads", 1,
+            "worker", address, *host, "--nworkers", 1, "--nthreads", 1,
             "--no-dashboard", "--local-directory", folder / "scratch", env=env,
         ):  # fmt: skip
             yield address
@@ -80,7 +80,7 @@ def test_a_point_that_kills_its_worker_harms_no_other(tmp_path):
     file = write_sweep(tmp_path, POISON)
     env = poisoned(tmp_path)
     out = tmp_path / "out"
-    done = stratawalk("sweep", file, "--out", out, "--workers", 2, env=env)
+    done = stratawalk("sweep", file, "--out", out, "--workers", 1, env=env)
     assert done.returncode == 8, done.stderr
     first, deadly, last = statuses(out)
     assert (first, last) == ("ok", "ok")
@@ -93,7 +93,7 @@ def test_solvers_are_part_of_what_a_point_was_made_with():
 
 
 def test_a_cluster_gives_the_bytes_that_one_machine_gives(tmp_path):
-    file = write_sweep(tmp_path, POISON)
+    file = write_sweep(tmp_path, "[grid]\nfriction = [0.5, 0.8]\n")
     here = walked_here("sweep", file, "--out", tmp_path / "here")
     assert here.returncode == 0, here.stderr
     with cluster(tmp_path) as address:
@@ -126,7 +126,7 @@ def test_workers_with_another_mujoco_get_no_points(tmp_path):
         "Metadata-Version: 2.1\nName: mujoco\nVersion: 4.0.9"
     )
     other = ENV | {"PYTHONPATH": f"{tmp_path / 'fake'}:{ENV['PYTHONPATH']}"}
-    with cluster(tmp_path, 1, other) as address:
+    with cluster(tmp_path, other) as address:
         out = tmp_path / "out"
         done = stratawalk("sweep", file, "--out", out, "--scheduler", address)
     assert done.returncode == 8
@@ -139,7 +139,7 @@ def test_a_scheduler_that_is_lost_takes_no_point_with_it(tmp_path):
     file.write_text(file.read_text().replace("hold = 0.1\n", "", 1))
     out = tmp_path / "out"
     ledger = out / "ledger.jsonl"
-    with cluster(tmp_path, 1) as address:
+    with cluster(tmp_path) as address:
         words = ("sweep", file, "--out", out, "--scheduler", address)
         process = subprocess.Popen(
             command(*words), env=ENV, stderr=subprocess.PIPE, text=True

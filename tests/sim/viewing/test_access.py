@@ -230,7 +230,14 @@ def test_a_viewer_survives_whatever_a_browser_sends(served, cookie, path):
             if not number % 7:
                 link.socket.close()  # without a word
     assert served.process.poll() is None
-    for patience in (1.0, 4.0, 10.0):  # the place of one that left is kept for a while
+    for patience in (
+        0.2,
+        0.4,
+        0.8,
+        2.0,
+        4.0,
+        10.0,
+    ):  # the place of one that left is kept for a while
         try:
             test_the_browser_with_the_address_is_answered(served, cookie)
             break
