@@ -39,6 +39,11 @@ NOTE = (
     "about it: it moves forward and back, and parks sideways."
 )
 
+SHARES = (
+    "To the right the share of the walk that is done [%]; the largest in each segment, "
+    "or in each phase of a walk of few segments."
+)
+
 
 def plan_view(run: Run) -> Drawing:
     """Nominal path, the predictions and the achieved path of the body's centre."""
@@ -54,8 +59,8 @@ def plan_view(run: Run) -> Drawing:
             axes.plot(*(MM * outline.T), **THOUGHT.line())
         if run.thought:
             keys.append(Key.of(THOUGHT, f"{THOUGHT.label}, 90 % sure"))
-        note = "" if run.settings.get("motion") else NOTE
-        return finish(figure, "Path of the body's centre, x and y [mm]", keys, note)
+        heading = "Path of the body's centre, x and y [mm]"
+        return finish(figure, heading, keys, _note(run))
 
 
 def errors(run: Run) -> Iterator[Drawing]:
@@ -85,7 +90,7 @@ def errors(run: Run) -> Iterator[Drawing]:
 
 
 def overlaid(runs: Sequence[tuple[str, Run]]) -> Iterator[Drawing]:
-    """Achieved paths of several runs in one drawing, and their errors in another."""
+    """Achieved paths of several runs in one drawing, and how far off they are."""
     styles: list[Style] = [
         {"color": colour.hex, "ls": dashes, "lw": 1.0}
         for _, (dashes, colour) in zip(runs, cycle(product(DASHES, RUNS)), strict=False)
@@ -99,21 +104,27 @@ def overlaid(runs: Sequence[tuple[str, Run]]) -> Iterator[Drawing]:
         for _, run in runs:
             known |= {key.label: key for key in _draw_place(axes, run)}
         for (_, run), style in zip(runs, styles, strict=True):
+            if (real := run.compared.get("measured")) is not None:
+                axes.plot(*_walked(run, real), **PREDICTED["measured"].line())
+                known["measured"] = Key.of(PREDICTED["measured"], "measured")
             axes.plot(*_walked(run, run.achieved), **style)
         heading = "Achieved paths of the body's centre, x and y [mm]"
-        yield finish(figure, heading, [*known.values(), *names], NOTE)
-    with sheet(HEIGHTS[1] / 1.6, MAP_WIDTH) as (figure, axes):
-        for (_, run), style in zip(runs, styles, strict=True):
-            off = MM * np.hypot(*run.error(run.best)[:, :2].T)
-            _, most = extremes_between(off, stretches(run))
-            axes.step(100 * _shares(run)[1:], most, **style)
-        axes.set_xlim(0, 100)
-        axes.set_ylim(bottom=0)
-        note = (
-            "To the right the share of the walk that is done [%]; the largest in each "
-            "segment."
-        )
-        yield finish(figure, "Distance from the best prediction [mm]", names, note)
+        yield finish(figure, heading, [*known.values(), *names], _note(runs[0][1]))
+    for what, key in (("the best prediction", ""), ("the measured body", "measured")):
+        if not all((key or run.best) in run.compared for _, run in runs):
+            continue
+        with sheet(HEIGHTS[1] / 1.6, MAP_WIDTH) as (figure, axes):
+            for (_, run), style in zip(runs, styles, strict=True):
+                off = MM * np.hypot(*run.error(key or run.best)[:, :2].T)
+                _, most = extremes_between(off, stretches(run))
+                axes.step(100 * _shares(run)[1:], most, **style)
+            axes.set_xlim(0, 100)
+            axes.set_ylim(bottom=0)
+            yield finish(figure, f"Distance from {what} [mm]", names, SHARES)
+
+
+def _note(run: Run) -> str:
+    return "The ring ends the predicted way." if run.scenario.motion else NOTE
 
 
 def _draw_place(axes: Axes, run: Run) -> list[Key]:

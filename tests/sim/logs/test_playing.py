@@ -16,6 +16,7 @@ from sim.motion.schedule import MotionLimits
 from sim.palette import PREDICTED
 from sim.pictures.legend import entries
 from sim.preparation.setup import prepare
+from sim.reports.maps import overlaid
 from sim.reports.panels import panels
 from sim.run_folder import write
 from sim.runs.run import read_run
@@ -181,6 +182,8 @@ def test_report_and_viewer_show_a_played_motion_beside_the_real_robot(still, tmp
     assert {"measured path", "compliant prediction", "achieved path"} <= shown
     assert {"predicted way", "its end"} <= shown
     assert not {"nominal path", "goal"} & shown
+    *_, last = overlaid([("one", run), ("other", run)])
+    assert last.heading == "Distance from the measured body [mm]"
     page = (tmp_path / "run" / "report.html").read_text()
     assert "predicted way" in page
     assert not any(word in page for word in ("control sequence", "ring is the goal"))
