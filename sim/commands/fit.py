@@ -21,7 +21,6 @@ from sim.fitting.fitting import (
     write_card,
 )
 from sim.fitting.poses import (
-    PoseFit,
     Walked,
     fit_poses,
     log_of,
@@ -63,8 +62,8 @@ def fit(options: argparse.Namespace) -> None:
                 body = fit_poses(late)
             told = {**body.settings, **told}
             missed = {"before": body.before, "after": body.after}
-            facts["body"] = {"unseen": body.found.unseen(), "held_out": missed}
-            parts["body"] = _of_body(body)
+            found = {"unseen": body.found.unseen(), "held_out": missed}
+            facts["body"], parts["body"] = found, found | {"rows": _of_body(body.found)}
     if options.out is not None:
         text = card_text(setup.robot, told, options.sources)
         parts["written"] = write_card(setup.robot, Path(options.out), text)
@@ -110,13 +109,10 @@ def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | No
     return setup, logs, walked
 
 
-def _of_body(fit: PoseFit) -> dict[str, object]:
-    """What moves the body, what does not show, and what the kept rows say."""
-    found = fit.found
+def _of_body(found: Estimates) -> list[tuple[str, str, str]]:
+    """What moves the body, each with its value and unit."""
     cells = zip(found.parameters, _cells(found, 0), strict=True)
-    rows = [(parameter.name, cell, _unit(parameter)) for parameter, cell in cells]
-    missed = {"before": fit.before, "after": fit.after}
-    return {"rows": rows, "unseen": found.unseen(), **missed}
+    return [(parameter.name, cell, _unit(parameter)) for parameter, cell in cells]
 
 
 def _of_servos(fit: JointFit) -> dict[str, object]:

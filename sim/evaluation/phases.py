@@ -165,7 +165,8 @@ def commanded_pace(walk: Walk) -> tuple[int, float]:
     """Contact switches, and the highest speed of a joint [rad/s], as commanded."""
     if (motion := walk.setup.motion) is not None:
         planned = np.vstack([motion.low, motion.contact])
-        return count_changes(walk, planned), motion.log.fastest
+        speed = np.diff(motion.log.commanded, axis=0).T / np.diff(motion.log.time)
+        return count_changes(walk, planned), float(np.abs(speed).max())
     peak = walk.setup.limits.swing_peak
     speeds = (peak(p.direction, p.amount) for p in walk.phases if p.kind == "swing")
     switches = sum(phase.kind in ("lift", "land") for phase in walk.phases)

@@ -212,7 +212,8 @@ def _shares(
     for side in (-1, 1):
         at = np.stack([np.interp(side * ways, way, c) for c in pose.T], axis=1)
         reached = relative(at[0], at)
-        foreseen = _integrated(field, side * ways)
+        middle = side * (ways[1:] + ways[:-1]) / 2
+        foreseen = trail(field(middle) * side * np.diff(ways)[:, None])
         miss = np.maximum(miss, _size(reached - foreseen, arm))
         motion = np.maximum(motion, _size(foreseen, arm))
     total = np.maximum.accumulate(motion)
@@ -224,12 +225,6 @@ def _shares(
 def _size(poses: Array, arm: float) -> Array:
     size: Array = np.hypot(poses[:, 0], poses[:, 1]) + arm * np.abs(poses[:, 2])
     return size
-
-
-def _integrated(field: MeasuredField, ways: Array) -> Array:
-    """Poses along a field from way zero on, shape (T, 3)."""
-    middle, step = (ways[1:] + ways[:-1]) / 2, np.diff(ways)
-    return trail(field(middle) * step[:, None])
 
 
 def creep_floor(setup: Setup, duration: float) -> float:
@@ -255,19 +250,16 @@ def creep_floor(setup: Setup, duration: float) -> float:
     return after - begin + rate * (duration - stand)
 
 
-def _identified(setup: Setup) -> TwistModel:
-    """Measured without obstacles, which would disturb the experiments."""
-    if not setup.scenario.obstacles:
-        return identify(setup)
-    return identify(prepare(replace(setup.scenario, obstacles=()), setup.robot))
-
-
 MODELS: Mapping[str, Callable[[Setup], TwistModel]] = {
     "ideal": lambda setup: IdealTwists(setup.equations),
     "quasi_static": lambda setup: QuasiStaticTwists(
         setup.kinematics, setup.ground, setup.limits.swing_speed
     ),
-    "identified": _identified,
+    "identified": lambda setup: identify(  # obstacles would disturb the experiments
+        prepare(replace(setup.scenario, obstacles=()), setup.robot)
+        if setup.scenario.obstacles
+        else setup
+    ),
 }
 
 

@@ -80,12 +80,6 @@ class Log:
         """From the first row to the last [s]."""
         return float(self.time[-1] - self.time[0])
 
-    @property
-    def fastest(self) -> float:
-        """Highest speed that is commanded to any joint [rad/s]."""
-        speed = np.diff(self.commanded, axis=0) / np.diff(self.time)[:, None]
-        return float(np.abs(speed).max())
-
     def at(self, time: Array) -> Array:
         """Commands at times (T,), evenly between rows, held beyond the ends, (T, J)."""
         columns = [np.interp(time, self.time, angle) for angle in self.commanded.T]

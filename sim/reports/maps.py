@@ -59,8 +59,8 @@ def plan_view(run: Run) -> Drawing:
             axes.plot(*(MM * outline.T), **THOUGHT.line())
         if run.thought:
             keys.append(Key.of(THOUGHT, f"{THOUGHT.label}, 90 % sure"))
-        heading = "Path of the body's centre, x and y [mm]"
-        return finish(figure, heading, keys, _note(run))
+        note = "" if run.scenario.motion else NOTE
+        return finish(figure, "Path of the body's centre, x and y [mm]", keys, note)
 
 
 def errors(run: Run) -> Iterator[Drawing]:
@@ -109,7 +109,8 @@ def overlaid(runs: Sequence[tuple[str, Run]]) -> Iterator[Drawing]:
                 known["measured"] = Key.of(PREDICTED["measured"], "measured")
             axes.plot(*_walked(run, run.achieved), **style)
         heading = "Achieved paths of the body's centre, x and y [mm]"
-        yield finish(figure, heading, [*known.values(), *names], _note(runs[0][1]))
+        note = "" if runs[0][1].scenario.motion else NOTE
+        yield finish(figure, heading, [*known.values(), *names], note)
     for what, key in (("the best prediction", ""), ("the measured body", "measured")):
         if not all((key or run.best) in run.compared for _, run in runs):
             continue
@@ -123,10 +124,6 @@ def overlaid(runs: Sequence[tuple[str, Run]]) -> Iterator[Drawing]:
             yield finish(figure, f"Distance from {what} [mm]", names, SHARES)
 
 
-def _note(run: Run) -> str:
-    return "The ring ends the predicted way." if run.scenario.motion else NOTE
-
-
 def _draw_place(axes: Axes, run: Run) -> list[Key]:
     for outline in run.obstacles:
         axes.fill(*(MM * outline.T), color=OBSTACLE.hex, lw=0)
@@ -134,7 +131,7 @@ def _draw_place(axes: Axes, run: Run) -> list[Key]:
     ring: Style = {"mfc": "none", "mew": 1.4, "color": NOMINAL.colour.hex}
     axes.plot(*(MM * run.nominal[-1, :2]), "o", markersize=8, **ring)
     axes.set_aspect("equal", adjustable="datalim")
-    return [Key.of(NOMINAL, run.path_labels[0])]
+    return [Key.of(NOMINAL, ", ".join(run.path_labels))]
 
 
 def _shares(run: Run) -> Array:

@@ -179,9 +179,8 @@ class Run:
     @property
     def path_labels(self) -> tuple[str, str]:
         """What that path and its end are called; a played motion has no goal."""
-        if "motion" in self.settings:
-            return "predicted way", "its end"
-        return "nominal path", "goal"
+        played = "motion" in self.settings
+        return ("predicted way", "its end") if played else ("nominal path", "goal")
 
     @cached_property
     def thought(self) -> tuple[Array, ...]:
