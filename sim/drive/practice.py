@@ -19,7 +19,7 @@ from sim.motion.poses import wrap
 from sim.motion.schedule import Schedule
 from sim.physics.engine import Engine
 from sim.preparation.setup import Setup
-from sim.world.imperfections import BACKLASH
+from sim.world.imperfections import BACKLASH, turned
 
 TURNS = 4  # of practice
 PART = 0.7  # of what was missed, that is added after a turn
@@ -29,14 +29,8 @@ class Practised:
     """A robot that walks stretches to find the angles of its legs, slack included."""
 
     def __init__(self, setup: Setup) -> None:
-        self.setup, model = setup, setup.model
-        self.drive, self.engine = Drive(setup), Engine(model)
-        joints = [model.joint(number) for number in range(model.njnt)]
-        place = {joint.name: int(joint.qposadr[0]) for joint in joints}
-        self._places = [
-            [place[part + joint] for part in ("", BACKLASH) if part + joint in place]
-            for joint in setup.robot.card.joints
-        ]
+        self.setup = setup
+        self.drive, self.engine = Drive(setup), Engine(setup.model)
 
     def walk(
         self,
@@ -45,8 +39,9 @@ class Practised:
         shifts: FeedForward | None,
     ) -> tuple[FeedForward, Array]:
         """Angles of all leg joints along a schedule, and the pose after it."""
+        model, joints = self.setup.model, self.setup.robot.card.joints
         rows = [
-            np.stack([qpos[:, p].sum(axis=1) for p in self._places], axis=1)
+            turned(model, qpos, joints, BACKLASH)
             for ctrl in self.drive.commands(schedule, made_up, practised=shifts)
             for qpos in [self.engine.advance(ctrl).qpos]
         ]

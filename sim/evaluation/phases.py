@@ -17,6 +17,7 @@ from sim.motion.prediction import Prediction
 from sim.motion.schedule import Phase
 from sim.scenarios.predictions import PREDICTIONS
 from sim.walking.finished import Walk
+from sim.world.imperfections import BACKLASH, turned
 
 
 def phase_slip(walk: Walk, phase: Phase) -> Array:
@@ -129,8 +130,8 @@ def real_robot(walk: Walk, real: Measured | None) -> Real | None:
     lean = lean_of(moments.qpos[on], robot.root_address_in(model))
     simulated = dict(zip(("roll", "pitch"), (lean - lean[0]).T, strict=True))
     if log.measured is not None:
-        places = [int(model.joint(joint).qposadr[0]) for joint in log.joints]
-        columns = zip(moments.qpos[on][:, places].T, log.measured.T, strict=True)
+        angles = turned(model, moments.qpos[on], log.joints, BACKLASH)
+        columns = zip(angles.T, log.measured.T, strict=True)
         apart = [
             angle - np.interp(time[on], log.time[there], column[there])
             for angle, column in columns

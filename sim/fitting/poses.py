@@ -18,13 +18,12 @@ from sim.compliant.phases import Course, Phases
 from sim.compliant.prediction import course_along, phases_of
 from sim.fitting.estimate import Estimates, Parameter, estimate
 from sim.fitting.fitting import FITTED, Told
-from sim.fitting.servo_law import turned
 from sim.logs.log import Log
 from sim.motion.poses import relative
 from sim.preparation.setup import Setup
 from sim.runs.run import Run
 from sim.studies.sensitivities import course_of_run
-from sim.world.imperfections import BACKLASH
+from sim.world.imperfections import BACKLASH, turned
 
 BODY = (
     Parameter(name="friction", unit="", spread=0.4, step=0.04, low=0.05),

@@ -15,7 +15,6 @@ little.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import mujoco
@@ -28,7 +27,7 @@ from sim.logs.log import Log
 from sim.physics.engine import STRETCH, Engine
 from sim.preparation.setup import Setup
 from sim.world.dead_bands import band_in
-from sim.world.imperfections import RUBBED
+from sim.world.imperfections import RUBBED, turned
 
 NOTHING = 1e-300  # beside angles [rad]
 LAW_STEP = 0.004  # [s] of the law, which is solved exactly in between
@@ -156,16 +155,6 @@ def on_floor(setup: Setup, model: mujoco.MjModel, log: Log, servos: Array) -> Co
     counts = np.diff(np.append(begins, len(time)))[:, None]
     mean = np.add.reduceat(load, begins) / counts
     return Commanded(LAW_STEP, log.at(time[begins]), mean, inertia, leg)
-
-
-def turned(
-    model: mujoco.MjModel, qpos: Array, joints: Sequence[str], *parts: str
-) -> Array:
-    """Angles (T, J) of joints, and of those named by a part and them, in sum."""
-    there = {model.joint(j).name: int(model.jnt_qposadr[j]) for j in range(model.njnt)}
-    named = ([part + joint for part in ("", *parts)] for joint in joints)
-    places = ([there[name] for name in names if name in there] for names in named)
-    return np.stack([qpos[:, place].sum(axis=1) for place in places], axis=1)
 
 
 def known_servos(setup: Setup, log: Log) -> tuple[Array, Array]:

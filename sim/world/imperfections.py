@@ -6,6 +6,7 @@ effect. Dead bands of servos are added by `dead_bands`.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import atan, cos, sin, tan
 from typing import Any
 
@@ -14,6 +15,7 @@ import numpy as np
 
 from models import Robot
 from models.description import compile_model
+from planner import Array
 from sim.errors import UsageError
 from sim.scenarios.scenario import Scenario
 
@@ -148,3 +150,13 @@ def add_loose_joint(
         solref_limit=STOP,
         **own,
     )
+
+
+def turned(
+    model: mujoco.MjModel, qpos: Array, joints: Sequence[str], *parts: str
+) -> Array:
+    """Angles (T, J) of joints, and of those named by a part and them, in sum."""
+    there = {model.joint(j).name: int(model.jnt_qposadr[j]) for j in range(model.njnt)}
+    named = ([part + joint for part in ("", *parts)] for joint in joints)
+    places = ([there[name] for name in names if name in there] for names in named)
+    return np.stack([qpos[:, place].sum(axis=1) for place in places], axis=1)

@@ -174,6 +174,15 @@ def test_the_measured_robot_is_compared_on_the_whole_way(still):
     assert "off the simulated one, and 1.03 at most" in describe(still.summary)
 
 
+def test_measured_joints_are_those_of_the_leg_behind_the_slack_of_its_gears():
+    none = np.zeros((2, 1))
+    log = Log(np.array([0.0, 0.2]), ("lift_1",), none, measured=none)
+    fast = {"timestep": 0.002, "predictions": ["quasi_static"]}
+    done = play(load("hexapod"), log, backlash=0.04, **fast)
+    # its load pushes it to one side, half the slack from the servo's shaft
+    assert done.summary.measured.joints == pytest.approx(0.02, rel=0.1)
+
+
 def test_report_and_viewer_show_a_played_motion_beside_the_real_robot(still, tmp_path):
     run = read_run(write(still, tmp_path / "run"))
     assert run.summary.measured.roll == still.summary.measured.roll
