@@ -39,6 +39,13 @@ def test_a_sweep_may_have_the_tables_of_a_scenario_itself(tmp_path):
     assert (scenario.robot, scenario.friction) == ("octopod", 1.0)
 
 
+def test_a_sweep_may_play_a_motion_that_lies_beside_it(tmp_path):
+    path = tmp_path / "own.toml"
+    path.write_text('motion = "gait.csv"\n[grid]\nfriction = [0.5, 1.0]\n')
+    (tmp_path / "gait.csv").write_text("time,lift_1\n0,0\n1,0\n")
+    assert read_sweep(str(path)).at(1).motion == str(tmp_path / "gait.csv")
+
+
 def test_a_robots_file_is_found_from_the_sweeps_folder(tmp_path):
     sweep = read_sweep(
         str(write_sweep(tmp_path, '[grid]\nrobot = ["hexapod", "mine.xml"]'))
