@@ -157,11 +157,12 @@ class _Problem:
         alone = ~carrying.any(axis=-1)  # all weight on one foot: any turn will do
         low = np.where(alone, 0.0, np.where(carrying, p, np.inf).min(axis=-1))
         high = np.where(alone, 0.0, np.where(carrying, p, -np.inf).max(axis=-1))
-        for _ in range(_BISECTIONS):
+        p, q2, weight = (np.ascontiguousarray(each.T) for each in (p, q2, weight))
+        for _ in range(_BISECTIONS):  # on long rows, (F, N), which is faster
             omega = (low + high) / 2  # (N,)
-            d = omega[:, None] - p
+            d = omega - p
             length = np.sqrt(d**2 + q2)
-            slope = (weight * d / np.where(length > 0, length, 1.0)).sum(axis=-1)
+            slope = (weight * d / np.where(length > 0, length, 1.0)).sum(axis=0)
             low = np.where(slope < 0, omega, low)
             high = np.where(slope > 0, omega, high)
         omega = (low + high) / 2
