@@ -154,19 +154,15 @@ class Kinematics:
         swing = np.asarray(swing, dtype=float)
         lift = np.zeros_like(swing) if lift is None else np.asarray(lift, dtype=float)
         robot = self.robot
-        angles = np.moveaxis(robot.joint_angles(swing, lift), -1, 1)
         turn, rise = (  # (3, F, ...) each: long rows last, as these are summed fast
             np.stack([np.ones_like(angle), np.cos(angle), np.sin(angle)])
-            for angle in np.ascontiguousarray(angles)
+            for angle in (a.T.copy() for a in robot.joint_angles(swing, lift))
         )
         every: tuple[Legs, ...] = (legs, legs, legs, slice(None))
         feet, swung, lifted, weight = (
-            np.moveaxis(
-                np.einsum("fabi,af...,bf...->fi...", c[on], turn[:, on], rise[:, on]),
-                (0, 1), (-2, -1),
-            )
+            np.einsum("fabi,af...,bf...->if...", c[on], turn[:, on], rise[:, on]).T
             for c, on in zip(self.terms, every, strict=True)
-        )  # fmt: skip
+        )
         return Stance(
             feet=feet[..., :2],
             rates=swung[..., :2] * robot.swing_gain[legs, None],

@@ -5,9 +5,9 @@ The commanded angles alone decide, with the body level and the contacts as plann
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from contextlib import nullcontext
-from functools import cached_property
+from copy import copy
 
 import mujoco
 import numpy as np
@@ -62,8 +62,9 @@ def _refuse_tipping(setup: Setup, schedule: Schedule, rows: Array) -> None:
 def _refuse_collisions(setup: Setup, swing: Array, lift: Array, rows: Array) -> None:
     angles, overlaps = np.concatenate([swing, lift], axis=1), Collisions(setup)
     _, first = np.unique(np.round(angles / INSPECTED_APART), axis=0, return_index=True)
-    for row in np.sort(first):
-        for pair, depth in overlaps(swing[row], lift[row]).items():
+    seen = np.sort(first)
+    for row, found in zip(seen, overlaps(swing[seen], lift[seen]), strict=True):
+        for pair, depth in found.items():
             names = " and ".join(_name(setup.model, geom) for geom in pair)
             what = f"the plan makes legs collide: {names} overlap by "
             raise _refusal(f"{what}{1e3 * depth:.1f} mm", setup, rows[row])
@@ -73,34 +74,35 @@ class Collisions:
     """Which parts of a robot overlap at given angles that do not where it stands."""
 
     def __init__(self, setup: Setup) -> None:
-        robot, model = setup.robot, setup.model
+        robot, model = setup.robot, copy(setup.model)
+        other = model.body_rootid[model.geom_bodyid] != model.body(robot.root).id
+        model.geom_contype[other] = model.geom_conaffinity[other] = 0
         self._robot, self._model, self._data = robot, model, mujoco.MjData(model)
         self._data.qpos[:] = model.key("start").qpos
-        self._rest = np.zeros((2, len(robot.groups)))
-        joints = list(robot.leg_angles(*self._rest))
-        self._places = [model.joint(joint).qposadr[0] for joint in joints]
-        self._standing = np.array([robot.standing_angle(joint) for joint in joints])
-        self._own = model.body_rootid[model.geom_bodyid] == model.body(robot.root).id
+        self._other = other
 
-    def __call__(self, swing: Array, lift: Array) -> Pairs:
-        """Overlapping geoms at angles of the groups, shape (G,) each [rad]."""
-        found = self._overlaps(swing, lift)
-        return {pair: d for pair, d in found.items() if pair not in self._always}
+    def __call__(self, swing: Array, lift: Array) -> Iterator[Pairs]:
+        """Overlapping geoms at angles of the groups, shape (T, G) each [rad], in turn."""
+        rest = np.zeros((1, len(self._robot.groups)))
+        always = next(self._overlaps(rest, rest))
+        for found in self._overlaps(swing, lift):
+            yield {pair: depth for pair, depth in found.items() if pair not in always}
 
-    @cached_property
-    def _always(self) -> Pairs:
-        return self._overlaps(*self._rest)
-
-    def _overlaps(self, swing: Array, lift: Array) -> Pairs:
-        tick()
+    def _overlaps(self, swing: Array, lift: Array) -> Iterator[Pairs]:
         model, data = self._model, self._data
-        angles = list(self._robot.leg_angles(swing, lift).values())
-        data.qpos[self._places] = self._standing + angles
-        mujoco.mj_kinematics(model, data)
-        mujoco.mj_comPos(model, data)
-        mujoco.mj_collision(model, data)
-        found, contact = Pairs(), data.contact
-        own = self._own[contact.geom].all(axis=1)
+        targets = self._robot.targets(swing, lift)
+        places = [model.joint(joint).qposadr[0] for joint in targets]
+        for angles in np.stack(list(targets.values()), axis=-1):
+            tick()
+            data.qpos[places] = angles
+            mujoco.mj_kinematics(model, data)
+            mujoco.mj_comPos(model, data)
+            mujoco.mj_collision(model, data)
+            yield self._found() if data.ncon else {}
+
+    def _found(self) -> Pairs:
+        found, contact = Pairs(), self._data.contact
+        own = ~self._other[contact.geom].any(axis=1)  # pairs may be declared
         for k in np.flatnonzero(own & (contact.dist < 0) & (contact.exclude == 0)):
             one, other = sorted(contact.geom[k].tolist())
             found[one, other] = -float(contact.dist[k])

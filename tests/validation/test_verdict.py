@@ -232,9 +232,9 @@ def clumsy(folder):
 
 def test_legs_that_would_touch_are_foreseen(tmp_path):
     setup = prepare(load_scenario("line", {"robot": str(clumsy(tmp_path))}))
-    overlaps, down = Collisions(setup), np.zeros(2)
-    assert overlaps(down, down) == {}
-    found = overlaps(np.array([0.4, 0.0]), down)
+    angles = np.array([[0.0, 0.0], [0.4, 0.0]])
+    standing, found = Collisions(setup)(angles, np.zeros((2, 2)))
+    assert standing == {}
     feet = {setup.model.geom(f"foot_{leg}").id for leg in (3, 5)}
     assert tuple(sorted(feet)) in found
 
