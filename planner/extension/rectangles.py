@@ -147,8 +147,7 @@ def weights(elements: Sequence[Element], scales: Array) -> Array:
 
     The scales have shape (..., m), and there are s elements.
     """
-    own = np.moveaxis(scales, -1, 0)
-    columns = [prod(own[i - 1] for i in _letters(e)) for e in elements]
+    columns = [prod(scales[..., i - 1] for i in _letters(e)) for e in elements]
     return np.stack(columns, axis=-1)
 
 

@@ -91,7 +91,8 @@ def integrate(
         h[..., j] = path[..., -1]
         return path
 
-    driven = {j: v for j, v in enumerate(np.moveaxis(inputs, -1, 0)) if v.any()}
+    every = ((j, inputs[..., j]) for j in range(inputs.shape[-1]))
+    driven = {j: v for j, v in every if v.any()}
     coordinate_rates(algebra, driven, advance)
     return h
 
