@@ -82,7 +82,7 @@ class Collisions:
         self._other = other
 
     def __call__(self, swing: Array, lift: Array) -> Iterator[Pairs]:
-        """Overlapping geoms at angles of the groups, shape (T, G) each [rad], in turn."""
+        """Overlapping geoms at angles of the groups in turn, (T, G) each [rad]."""
         rest = np.zeros((1, len(self._robot.groups)))
         always = next(self._overlaps(rest, rest))
         for found in self._overlaps(swing, lift):
