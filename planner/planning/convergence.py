@@ -51,10 +51,12 @@ class ConvergenceOrder:
 
 
 def faster(
-    extended: ExtendedSystem, path: Path, coordinates: Coordinates = "fewest"
+    extended: ExtendedSystem,
+    path: Path,
+    now: ConvergenceOrder,
+    coordinates: Coordinates = "fewest",
 ) -> dict[str, ConvergenceOrder]:
-    """What would make plans converge faster, and the order that each has then."""
-    now = convergence_order(extended, path, coordinates)
+    """What would make plans converge faster than now, and the order of each then."""
     offers = dict[str, ConvergenceOrder]()
     if np.isinf(now.order):
         return offers

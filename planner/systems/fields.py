@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -51,6 +52,9 @@ def bracket(f: sp.Matrix, g: sp.Matrix, x: Sequence[sp.Symbol]) -> sp.Matrix:
         ]
 
     return sp.ImmutableMatrix(change(g, f)) - sp.ImmutableMatrix(change(f, g))
+
+
+_remembered = lru_cache(maxsize=512)(bracket)  # higher degrees ask for the lower ones
 
 
 def _column(field: sp.Matrix, size: int) -> sp.Matrix:
@@ -149,7 +153,7 @@ def lie_bracket(f: VectorField, g: VectorField, state: Symbols) -> VectorField:
     If one of them is numeric, so is the bracket: derivatives along one another.
     """
     if not (isinstance(f, NumericField) or isinstance(g, NumericField)):
-        return bracket(f, g, state)
+        return _remembered(f, g, state)
     f, g = as_numeric(f, state), as_numeric(g, state)
 
     def value(x: Array) -> Array:

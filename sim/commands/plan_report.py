@@ -35,8 +35,9 @@ class Accuracy:
         if problem.is_exact:
             degree = problem.extended.steering.degree
             return cls(degree, degree, None, {})
-        asked = problem.extended, problem.path, problem.coordinates
-        expected, offers = convergence_order(*asked), faster(*asked)
+        asked, words = (problem.extended, problem.path), problem.coordinates
+        expected = convergence_order(*asked, words)
+        offers = faster(*asked, expected, words)
         orders = {what: _finite(offer.order) for what, offer in offers.items()}
         degrees = expected.degree, expected.bracket_degree
         return cls(*degrees, _finite(expected.order), orders)

@@ -24,7 +24,7 @@ from planner import (
     rollout,
     subdivide,
 )
-from planner.planning import Slack, grid
+from planner.planning import Slack, Step, grid
 from planner.support import point, tick
 from sim.experiments.identification import twist_model
 from sim.motion.prediction import Predictor, inspections, stability_margin
@@ -42,6 +42,7 @@ from sim.preparation.setup import Setup
 
 JUST_BEYOND = 1e-9  # [rad], a joint range that a steered plan leaves
 NOMINAL_SAMPLES = 400  # of the nominal path, spread over its segments
+Steps = dict[tuple[object, ...], Step]  # by where they begin, and what they aim at
 FINEST_SEGMENT = 1e-3  # of the path; shorter segments would not be followed either
 
 
@@ -58,6 +59,7 @@ def within_bounds(setup: Setup) -> tuple[Setup, Plan | None]:
     if scenario.obstacles and scenario.min_clearance >= 0:
         bounds.append(ClearanceBound(surroundings(setup), scenario.min_clearance))
     planned: Plan | None = None
+    known: Steps = {}
     if not bounds:
         return setup, planned
 
@@ -66,7 +68,7 @@ def within_bounds(setup: Setup) -> tuple[Setup, Plan | None]:
         tried = setup.recut(cuts)
         try:
             if scenario.replan:
-                stages = list(foresee(tried))
+                stages = list(foresee(tried, known=known))
                 if scenario.steered_on == "ideal":
                     planned = joined_plans(tried, [s.plan for s in stages if s.plan])
                 return foreseen(tried, stages)
@@ -153,11 +155,14 @@ class ForeseenStretch:
         return np.array(deciding)[self.schedule.phase_of(rows)]
 
 
-def foresee(setup: Setup, planned: Plan | None = None) -> Iterator[ForeseenStretch]:
+def foresee(
+    setup: Setup, planned: Plan | None = None, known: Steps | None = None
+) -> Iterator[ForeseenStretch]:
     """The stretches of a walk in time order: its plan, or without one each segment.
 
     Every segment is taken to end at its predicted pose, on ideal fields that of the
     exact kinematics. One that the joint range cuts short is taken to reach its target.
+    Steps that are known are not planned again, and those that were not are added.
     """
     twists = twist_model(setup, setup.scenario.steered_on)
     if planned is not None:
@@ -165,9 +170,13 @@ def foresee(setup: Setup, planned: Plan | None = None) -> Iterator[ForeseenStret
         yield ForeseenStretch(Predictor(schedule, twists, setup.kinematics))
         return
     legs, (pose, swing) = setup.at_rest, split(setup, setup.nominal()(0.0))
-    for segment in range(setup.scenario.segments):
+    segments, known = setup.scenario.segments, {} if known is None else known
+    for segment in range(segments):
         tick()
-        step = plan_segment(setup, segment, pose, swing)
+        target, last = segment_target(setup, segment), segment + 1 == segments
+        asked = pose.tobytes(), swing, target.tobytes(), last
+        step = known.get(asked) or plan_segment(setup, segment, pose, swing)
+        known[asked] = step
         schedule = scheduled(setup, step.plan.segments(), legs, segment)
         predictor = Predictor(schedule, twists, setup.kinematics, tuple(pose))
         yield ForeseenStretch(predictor, step.fraction, step.plan)
@@ -178,7 +187,7 @@ def foresee(setup: Setup, planned: Plan | None = None) -> Iterator[ForeseenStret
             last = np.array([schedule.stop - schedule.start - 1])
             pose, swing = predictor.configurations(last)[0][0], legs.swing
         if step.fraction < 1:
-            pose = segment_target(setup, segment)
+            pose = target
 
 
 @dataclass(frozen=True)
@@ -239,15 +248,15 @@ class ClearanceBound:
             segment = stage.segment(stage.rows[:-1])
             np.minimum.at(walking, segment, self.swept(stage))
         room, left = np.ones_like(walking), walking - self.least
-        if left.min() < 0:
-            room = self._standing(setup) - self.least
+        if (short := np.flatnonzero(left < 0)).size:
+            room[short] = self._standing(setup, short) - self.least
         return Slack("min_clearance", self.least, room, left, unit="m")
 
-    def _standing(self, setup: Setup) -> Array:
-        """Clearance along the nominal path on any stratum, shape (segments,) [m]."""
+    def _standing(self, setup: Setup, where: Array) -> Array:
+        """Clearance along some segments of the nominal path on any stratum [m]."""
         segments = setup.scenario.segments
         samples = 1 + -(-NOMINAL_SAMPLES // segments)
-        inner = np.arange(segments)[:, None] + np.linspace(0, 1, samples)
+        inner = where[:, None] + np.linspace(0, 1, samples)
         poses = setup.scenario.path.curve.at(inner.ravel() / segments)
         least = np.full(len(poses), np.inf)
         for stratum, raised in setup.raised.items():
@@ -258,7 +267,7 @@ class ClearanceBound:
                 found = poses[worst], qpos[worst], float(clearance[worst])
                 raise self._refusal(stratum, *found)
             least = np.minimum(least, clearance)
-        return least.reshape(segments, samples).min(axis=1)
+        return least.reshape(-1, samples).min(axis=1)
 
     def _refusal(
         self, stratum: str, pose: Array, qpos: Array, clearance: float

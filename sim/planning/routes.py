@@ -94,7 +94,7 @@ class _Search:
         self._area = around.area
         self._body = around.outline.solids.swept(qpos).buffer(least + room)
         self._near = self._area.buffer(self.radius + least + room)
-        shapely.prepare(self._area)
+        shapely.prepare(self._body)
         shapely.prepare(self._near)
 
     def run(self, seed: int, segments: int) -> Array | None:
@@ -152,9 +152,9 @@ class _Search:
         if not shapely.intersects_xy(self._near, x, y):
             return True
         cos, sin = math.cos(yaw), math.sin(yaw)
-        turn = np.array([(cos, sin), (-sin, cos)])
-        placed = shapely.transform(self._body, lambda points: points @ turn + (x, y))
-        return not shapely.intersects(self._area, placed)
+        turn = np.array([(cos, -sin), (sin, cos)])  # into the body's frame
+        seen = shapely.transform(self._area, lambda points: (points - (x, y)) @ turn)
+        return not shapely.intersects(self._body, seen)
 
     def _bounds(self, base: Ompl) -> Ompl:
         """Start, goal and all obstacles, with the width of a robot around them."""

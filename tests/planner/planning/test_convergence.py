@@ -155,16 +155,18 @@ def test_what_is_offered_is_faster_and_keeps_its_word():
     problem = shipped_system("unicycle")
     extended = extend(problem.system, problem.elements)
     now = convergence_order(extended, problem.path)
-    offers = faster(extended, problem.path)
+    offers = faster(extended, problem.path, now)
     assert set(offers) == {"symmetric words", "degree 3"}
     assert all(offer.order == 1 > now.order for offer in offers.values())
     exact = extend(chained(3), ["g1", "g2", "[g1,g2]"])
-    assert faster(exact, line(np.zeros(3), np.ones(3))) == {}
+    path = line(np.zeros(3), np.ones(3))
+    assert faster(exact, path, convergence_order(exact, path)) == {}
 
 
 def test_walkers_are_offered_a_degree_that_does_help():
     # degree 3 does not: its words are not their own mirror images
-    offers = faster(extend(hexapod(), PAPER), line(np.zeros(5), [1, 1, 0, 0, 0]))
+    walker, path = extend(hexapod(), PAPER), line(np.zeros(5), [1, 1, 0, 0, 0])
+    offers = faster(walker, path, convergence_order(walker, path))
     assert {what: offer.order for what, offer in offers.items()} == {"degree 4": 2}
 
 
