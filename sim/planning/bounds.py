@@ -173,8 +173,8 @@ def foresee(
     segments, known = setup.scenario.segments, {} if known is None else known
     for segment in range(segments):
         tick()
-        target, last = segment_target(setup, segment), segment + 1 == segments
-        asked = pose.tobytes(), swing, target.tobytes(), last
+        target, final = segment_target(setup, segment), segment + 1 == segments
+        asked = pose.tobytes(), swing, target.tobytes(), final
         step = known.get(asked) or plan_segment(setup, segment, pose, swing)
         known[asked] = step
         schedule = scheduled(setup, step.plan.segments(), legs, segment)
