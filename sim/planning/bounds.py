@@ -28,7 +28,6 @@ from planner.planning import Slack, Step, grid
 from planner.support import point, tick
 from sim.experiments.identification import twist_model
 from sim.motion.prediction import Predictor, inspections, stability_margin
-from sim.motion.schedule import Schedule
 from sim.obstacles.clearance import Surroundings, surroundings
 from sim.planning.open_loop import (
     joined_plans,
@@ -50,18 +49,18 @@ def within_bounds(setup: Setup) -> tuple[Setup, Plan | None]:
     """Divide the nominal path until the predicted motion keeps the scenario's bounds.
 
     The plan along the divided path comes with it, unless it is replanned from states
-    that are not those of the prediction. A scenario that sets no bounds is left as it
-    is. The error of bounds that cannot be kept says where, and what could be.
+    that are not those of the prediction. Without bounds the scenario is left as it is.
+    The error of bounds that cannot be kept says where, and what could be.
     """
     scenario, bounds = setup.scenario, list[MarginBound | ClearanceBound]()
     if scenario.min_margin is not None:
         bounds.append(MarginBound(scenario.min_margin))
     if scenario.obstacles and scenario.min_clearance >= 0:
         bounds.append(ClearanceBound(surroundings(setup), scenario.min_clearance))
+    if not bounds:
+        return setup, None
     planned: Plan | None = None
     known: Steps = {}
-    if not bounds:
-        return setup, planned
 
     def slacks(cuts: Array) -> list[Slack]:
         nonlocal planned
@@ -92,7 +91,7 @@ def within_bounds(setup: Setup) -> tuple[Setup, Plan | None]:
         beyond = np.array([1 / stage.fraction - 1 for stage in stages])
         if beyond.any():
             return [_left_out("joint range", beyond)]
-        moving = [stage for stage in stages if stage.schedule.phases]
+        moving = [stage for stage in stages if stage.predictor.schedule.phases]
         return [bound.slack(tried, moving) for bound in bounds]
 
     cuts = grid(scenario.path.curve, scenario.segments)
@@ -114,12 +113,11 @@ def _reach(setup: Setup) -> Slack:
         standing = min(standing, high, -low)
     if walking.min() >= 0:  # only the steered plan leaves the range; divide its worst
         walking[walking.argmin()] = -JUST_BEYOND
-    full = np.full(len(walking), standing)
-    return Slack("joint range", 0.0, full, walking, law=1.0)
+    return Slack("joint range", 0.0, np.full(len(walking), standing), walking, law=1.0)
 
 
 def _left_out(bound: str, parts: Array) -> Slack:
-    """Slack where parts of the segments, (segments,), are not followed for a reason."""
+    """Slack where parts of the segments are not followed for a reason."""
     return Slack(bound, 0.0, np.ones_like(parts), -parts, law=1.0)
 
 
@@ -131,28 +129,23 @@ class ForeseenStretch:
     fraction: float = 1.0  # of its way; below 1 if the joint range cuts it short
     plan: Plan | None = None  # of the segment, where each is planned for itself
 
-    @property
-    def schedule(self) -> Schedule:
-        """The commands."""
-        return self.predictor.schedule
-
     @cached_property
     def rows(self) -> Array:
         """Steps to inspect: the end of every phase, and even distances before it."""
-        return inspections(self.schedule) - 1 - self.schedule.start
+        schedule = self.predictor.schedule
+        return inspections(schedule) - 1 - schedule.start
 
     def segment(self, rows: Array) -> Array:
         """Segment that determines the configuration at each step, shape (T,).
 
-        Before the first swing of a segment it is the previous one, which left the legs
-        in their present angles.
+        Before its first swing it is the previous one, which left the legs as they are.
         """
-        deciding, swung = [], -1
-        for phase in self.schedule.phases:
+        schedule, deciding, swung = self.predictor.schedule, [], -1
+        for phase in schedule.phases:
             if phase.kind == "swing":
                 swung = phase.segment
             deciding.append(max(phase.segment - (phase.segment != swung), 0))
-        return np.array(deciding)[self.schedule.phase_of(rows)]
+        return np.array(deciding)[schedule.phase_of(rows)]
 
 
 def foresee(
@@ -254,10 +247,9 @@ class ClearanceBound:
 
     def _standing(self, setup: Setup, where: Array) -> Array:
         """Clearance along some segments of the nominal path on any stratum [m]."""
-        segments = setup.scenario.segments
-        samples = 1 + -(-NOMINAL_SAMPLES // segments)
-        inner = where[:, None] + np.linspace(0, 1, samples)
-        poses = setup.scenario.path.curve.at(inner.ravel() / segments)
+        samples = 1 + -(-NOMINAL_SAMPLES // (segments := setup.scenario.segments))
+        inner = (where[:, None] + np.linspace(0, 1, samples)) / segments
+        poses = setup.scenario.path.curve.at(inner.ravel())
         least = np.full(len(poses), np.inf)
         for stratum, raised in setup.raised.items():
             qpos = self.surroundings.postures(poses, raised)
@@ -283,8 +275,7 @@ class ClearanceBound:
 
     def swept(self, stage: ForeseenStretch) -> Array:
         """A lower bound on the clearance after each row but the last, (T - 1,) [m]."""
-        rows = stage.rows
-        return self._between(stage, np.stack([rows[:-1], rows[1:]], axis=1))
+        return self._between(stage, np.stack([stage.rows[:-1], stage.rows[1:]], axis=1))
 
     def _between(self, stage: ForeseenStretch, pairs: Array) -> Array:
         """A lower bound of the clearance between pairs of rows, shape (K, 2).

@@ -38,7 +38,7 @@ def margins(setup):
     """Margin of the predicted motion, at every `EVERY`th step and at every last one."""
     twists = twist_model(setup, setup.scenario.steer.replace("-", "_"))
     for stage in foreseen(setup):
-        schedule = stage.schedule
+        schedule = stage.predictor.schedule
         rows = np.arange(0, schedule.stop - schedule.start, EVERY)
         ends = [phase.stop - 1 - schedule.start for phase in schedule.phases]
         rows = np.unique(np.concatenate([rows, ends]))
@@ -54,7 +54,7 @@ def engine_clearances(setup):
     ]
     parts = [part.geom for part in around.outline.solids.parts]
     for stage in foreseen(setup):
-        schedule = stage.schedule
+        schedule = stage.predictor.schedule
         rows = np.arange(0, schedule.stop - schedule.start, EVERY)
         for qpos in around.outline.configurations(
             *stage.predictor.configurations(rows)
@@ -127,7 +127,7 @@ def test_legs_out_of_range_are_brought_back_by_subdividing_too():
     setup = bounded(segments=3, min_margin=0.02)
     assert setup.scenario.segments > 3
     for stage in foreseen(setup):
-        swing, _ = stage.schedule.angles(stage.rows)
+        swing, _ = stage.predictor.schedule.angles(stage.rows)
         assert np.abs(swing).max() <= 0.45 + 1e-9
 
 
@@ -173,10 +173,13 @@ def test_each_end_of_a_range_is_told_apart(edited, scenario, span):
 
 def test_a_lift_is_decided_by_the_segment_that_left_the_legs_there():
     first, second, *_ = foreseen(prepare(load_scenario("line", {"replan": True})))
-    kinds = [phase.kind for phase in second.schedule.phases]
+    kinds = [phase.kind for phase in second.predictor.schedule.phases]
     lifts = kinds.index("swing")
     assert lifts > 0
-    starts = [p.start - second.schedule.start for p in second.schedule.phases]
+    starts = [
+        p.start - second.predictor.schedule.start
+        for p in second.predictor.schedule.phases
+    ]
     decided = second.segment(np.array(starts))
     assert decided.tolist() == [0] * lifts + [1] * (len(kinds) - lifts)
     assert (first.segment(first.rows) == 0).all()
@@ -246,7 +249,9 @@ def test_a_foreseen_replanned_walk_starts_each_segment_where_the_last_one_ended(
     )
     stages = foreseen(setup)
     for before, after in zip(stages[:-1], stages[1:], strict=True):
-        last = np.array([before.schedule.stop - before.schedule.start - 1])
+        last = np.array(
+            [before.predictor.schedule.stop - before.predictor.schedule.start - 1]
+        )
         ended = before.predictor(last).pose[0]
         began = after.predictor(np.array([0])).pose[0]
         assert began == pytest.approx(ended, abs=1e-9)
