@@ -10,6 +10,7 @@ from filelock import FileLock
 from models.description import inspection
 from models.description.robot import FOLDER
 from models.library import load as load_robot
+from sim import run_folder
 from sim.errors import RenderError
 from sim.folder import RunFolder
 from sim.pictures.run_film import check
@@ -18,7 +19,9 @@ from sim.run_folder import run
 from sim.scenarios.body_path import line
 from sim.scenarios.scenario import Scenario
 from tests.trials import FORKED
+from tests.walks import COSTLY
 
+REPORT = run_folder._report
 # A job in the background ignores these, and so would all that a test starts.
 ANSWERS = {signal.SIGINT: signal.default_int_handler, signal.SIGHUP: lambda *_: None}
 for _number, _answer in ANSWERS.items():
@@ -43,6 +46,26 @@ def trials(monkeypatch):
 def alone(trials, monkeypatch):
     """Models are tried in processes of their own, as everywhere but in tests."""
     monkeypatch.setattr(inspection, "subprocess", subprocess)
+
+
+@pytest.fixture(autouse=True, scope="session")
+def pageless():
+    """Run folders have no page, which is drawn for longer than most tests walk."""
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(run_folder, "_report", lambda *_: None)
+        yield
+
+
+@pytest.fixture
+def paged(monkeypatch):
+    """Run folders have their page, as everywhere but in tests."""
+    monkeypatch.setattr(run_folder, "_report", REPORT)
+
+
+@pytest.fixture
+def quick(monkeypatch):
+    """Runs leave out predictions that cost physics of their own."""
+    monkeypatch.setitem(run.__kwdefaults__, "without", COSTLY)
 
 
 @pytest.fixture(scope="session")
@@ -103,7 +126,9 @@ def walked(tmp_path_factory, worker_id):
             shutil.rmtree(made, ignore_errors=True)
             made.mkdir()
             short = {"segments": 2, "path": line((0.03, 0.0, 0.0)), "playback": 60.0}
-            run(Scenario(name="short", **short), RunFolder(made))
+            with pytest.MonkeyPatch.context() as patched:
+                patched.setattr(run_folder, "_report", REPORT)
+                run(Scenario(name="short", **short), RunFolder(made))
     return shutil.copytree(made, own / "walked")
 
 

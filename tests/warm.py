@@ -9,11 +9,13 @@ from io import StringIO
 
 import sim
 from models.description import inspection
+from sim import run_folder
 from sim.cli import main
 from sim.commands.declared import COMMANDS
 from tests import trials
 
 inspection.subprocess = trials.FORKED
+run_folder._report = lambda *_: None
 trials.begin()
 for name in dir(sim):
     getattr(sim, name)

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from models.description.robot import FOLDER
-from sim import run_folder
 from sim.cli import main
 from sim.evaluation.assessment import evaluate, summarise
 from sim.evaluation.deviations import Scale
@@ -16,8 +15,9 @@ from sim.planning.soundness import Collisions
 from sim.preparation.setup import prepare
 from sim.scenarios.body_path import line
 from sim.scenarios.file import load_scenario
-from tests.walks import COSTLY, simulated
+from tests.walks import simulated
 
+pytestmark = pytest.mark.usefixtures("quick")
 SHORT = ["--set", "path.goal=[0.01,0,0]", "--set", "timestep=0.001"]
 SIDES = (
     ("1", "twist = [0.03, 0.0, 0.5]", "1 = -1, 3 = -1, 5 = -1"),
@@ -39,13 +39,6 @@ def lopsided(folder):
     gait = '[gait]\nstrata = ["12", "1", "12", "2", "12"]\n'
     path.with_suffix(".toml").write_text(f"{head}{groups}{gait}")
     return path
-
-
-@pytest.fixture(autouse=True)
-def quick(monkeypatch):
-    """Runs leave out predictions that cost physics of their own, and their page."""
-    monkeypatch.setitem(run_folder.run.__kwdefaults__, "without", COSTLY)
-    monkeypatch.setattr(run_folder, "_report", lambda *_: None)
 
 
 def run(robot, folder, *more):

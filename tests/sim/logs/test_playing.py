@@ -183,7 +183,9 @@ def test_measured_joints_are_those_of_the_leg_behind_the_slack_of_its_gears():
     assert done.summary.measured.joints == pytest.approx(0.02, rel=0.1)
 
 
-def test_report_and_viewer_show_a_played_motion_beside_the_real_robot(still, tmp_path):
+def test_report_and_viewer_show_a_played_motion_beside_the_real_robot(
+    still, tmp_path, paged
+):
     run = read_run(write(still, tmp_path / "run"))
     assert run.summary.measured.roll == still.summary.measured.roll
     assert "Roll of the body [mrad]" in (drawing.heading for drawing in panels(run))

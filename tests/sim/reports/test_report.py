@@ -233,7 +233,7 @@ def test_a_browser_opens_only_where_there_is_a_display(
     assert opened == ((folder / NAME).resolve().as_uri() if display else None)
 
 
-def test_a_report_that_cannot_be_written_leaves_the_run(scenario, tmp_path):
+def test_a_report_that_cannot_be_written_leaves_the_run(scenario, tmp_path, paged):
     (tmp_path / NAME).mkdir()
     told = []
     short = scenario(timestep=0.002)
