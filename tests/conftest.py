@@ -1,5 +1,6 @@
 """Shared parts: a world built from the shipped hexapod, and a short real walk."""
 
+import gc
 import shutil
 import signal
 import subprocess
@@ -27,6 +28,13 @@ ANSWERS = {signal.SIGINT: signal.default_int_handler, signal.SIGHUP: lambda *_: 
 for _number, _answer in ANSWERS.items():
     if signal.getsignal(_number) is signal.SIG_IGN:
         signal.signal(_number, _answer)
+
+
+def pytest_collection_finish():
+    """What lives as long as the tests do is not looked through for garbage."""
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(20_000, 20)
 
 
 def pytest_collection_modifyitems(items):

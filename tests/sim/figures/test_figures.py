@@ -28,7 +28,8 @@ from sim.figures.sheet import draw, drawn, save
 from sim.figures.stability import polygon_margin
 from sim.folder import RunFolder
 
-STEP = {"path.goal": [0.006, 0.006, 0.0]}
+QUICK = {"timestep": 0.001, "swing_speed": 2.0, "hold": 0.1}
+STEP = {"path.goal": [0.006, 0.006, 0.0]} | QUICK
 SHORT = {
     "mechanism": {},
     "biped": {},
@@ -41,13 +42,17 @@ SHORT = {
         for n, name in enumerate(line.WALKS, start=1)
     },
     "ellipse": {
-        "ellipse": Job("ellipse", {"path.semi_axes": [0.006, 0.004], "segments": 13})
+        "ellipse": Job(
+            "ellipse", QUICK | {"path.semi_axes": [0.006, 0.004], "segments": 13}
+        )
     },
     "diagonal": {
         "diagonal": Job("diagonal", {"path.goal": [0.01, 0.01, 0.1], "segments": 2})
     },
     "corridor": {
-        name: Job("corridor", {"path.points": [[0, 0, 0], [0.02, 0, 0.02]]} | few)
+        name: Job(
+            "corridor", QUICK | {"path.points": [[0, 0, 0], [0.02, 0, 0.02]]} | few
+        )
         for name, few in (
             ("corridor", {"segments": 2}),
             ("corridor-coarse", {"segments": 1, "min_clearance": -1}),

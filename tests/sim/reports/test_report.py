@@ -193,7 +193,7 @@ def test_show_draws_the_report_again_and_prints_its_path(folder, capsys):
     assert (folder / NAME).exists()
 
 
-def test_a_run_without_a_creep_floor_says_nothing_of_it(tmp_path):
+def test_a_run_without_a_creep_floor_says_nothing_of_it(tmp_path, paged):
     short = Scenario(name="short", segments=1, path=line((0.01, 0.0, 0.0)))
     done = simulate(short, without=COSTLY)
     folder = write(done, tmp_path / "run")
