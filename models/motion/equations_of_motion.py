@@ -8,8 +8,8 @@ the groups, raise the groups in the air in order, as g_{1,3} does in eq. (17).
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import sympy as sp
 
@@ -38,10 +38,11 @@ class Swing:
         return f"g{self.stratum}_{self.label}"
 
 
+@lru_cache(maxsize=32)  # what is derived from a system is kept with it
 def walking_system(
-    groups: Sequence[str],
-    contacts: Mapping[str, Collection[str]],
-    swings: Iterable[Swing],
+    groups: tuple[str, ...],
+    contacts: tuple[tuple[str, str | tuple[str, ...]], ...],
+    swings: tuple[Swing, ...],
     *,
     heights: bool = True,
     trailer: float | None = None,
@@ -49,7 +50,7 @@ def walking_system(
 ) -> StratifiedSystem:
     """The stratified system of a walking body.
 
-    Contacts are the groups that stand on each stratum, the bottom one first. With
+    Contacts are each stratum and the groups that stand there, the bottom first. With
     heights the state holds those of the feet, and the strata have fields that lift. A
     trailer is towed with its axle so far behind a hitch at the body's centre; its
     heading `psi` then follows theta in the state. In the metric every angle counts as
@@ -58,14 +59,14 @@ def walking_system(
     phi = [sp.Symbol(f"phi_{group}") for group in groups]
     height = {g: sp.Symbol(f"height_{g}") for g in groups} if heights else {}
     still = [*POSE, *([] if trailer is None else [sp.Symbol("psi")]), *phi]
-    fields: dict[str, dict[str, list[sp.Expr]]] = {stratum: {} for stratum in contacts}
+    fields: dict[str, dict[str, list[sp.Expr]]] = {name: {} for name, _ in contacts}
     for swing in swings:
         velocity = _velocity(swing.twist or STILL, trailer)
         angles = map(_exact, swing.direction)
         column = [*velocity, *angles, *[sp.S.Zero] * len(height)]
         fields[swing.stratum][swing.name] = column
     level_sets = {}
-    for stratum, standing in contacts.items() if heights else ():
+    for stratum, standing in contacts if heights else ():
         level_sets[stratum] = tuple(height[g] for g in groups if g in standing)
         lifted = [group for group in groups if group not in standing]
         for number, group in enumerate(lifted, len(groups) + 1):
@@ -74,7 +75,7 @@ def walking_system(
             fields[stratum][f"g{stratum}_{number}"] = column
     state = (*still, *height.values())
     metric = {str(angle): radius for angle in still[2:]}
-    return StratifiedSystem(state, fields, next(iter(contacts)), level_sets, metric)
+    return StratifiedSystem(state, fields, contacts[0][0], level_sets, metric)
 
 
 def _velocity(twist: Twist, trailer: float | None) -> list[sp.Expr]:

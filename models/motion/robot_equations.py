@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
 from math import hypot
 from typing import Literal
 
@@ -99,12 +98,13 @@ def equations(robot: Robot, fields: Fields = "lifted") -> Equations:
         ('g12_1', 'g12_2', 'g1_2', 'g2_1', '[g12_1,g12_2]')
     """
     card, kinematics = robot.card, Kinematics(robot)
-    swings = [s for stratum in card.strata for s in _swings(kinematics, stratum)]
+    swings = tuple(s for name in card.strata for s in _swings(kinematics, name))
+    contacts = tuple((name, name) for name in card.strata)
     # a robot that rows in patterns on all feet is centred by stepping in between
     centred: StanceRule = "stepped" if card.patterns else "centred"
     feet_radius = kinematics.reach  # turns radians into metres
     return Equations(
-        system=_system(robot.groups, tuple(card.strata), tuple(swings), feet_radius),
+        system=walking_system(robot.groups, contacts, swings, radius=feet_radius),
         elements=_elements(robot, swings, fields),
         twists={swing.name: swing.twist or STILL for swing in swings},
         swings={swing.name: swing.direction for swing in swings},
@@ -112,17 +112,6 @@ def equations(robot: Robot, fields: Fields = "lifted") -> Equations:
         static_stability=StaticStability(robot).stands if card.least_load else None,
         limits={f"phi_{name}": span for name, span in robot.swing_range.items()},
     )
-
-
-@lru_cache(maxsize=32)
-def _system(
-    groups: tuple[str, ...],
-    strata: tuple[str, ...],
-    swings: tuple[Swing, ...],
-    r: float,
-) -> StratifiedSystem:
-    """The system of equal robots once: what is derived from it is kept with it."""
-    return walking_system(groups, {name: name for name in strata}, swings, radius=r)
 
 
 def _swings(kinematics: Kinematics, stratum: str) -> Iterator[Swing]:
@@ -172,7 +161,9 @@ def twist_at_rest(kinematics: Kinematics, stratum: str, direction: Direction) ->
     return forward, left, yaw
 
 
-def _elements(robot: Robot, swings: list[Swing], fields: Fields) -> tuple[str, ...]:
+def _elements(
+    robot: Robot, swings: tuple[Swing, ...], fields: Fields
+) -> tuple[str, ...]:
     """Loaded swings to steer with, every group's swing in the air, and one bracket.
 
     A swing in the air is that on the first stratum where the group is lifted.

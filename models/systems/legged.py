@@ -195,13 +195,14 @@ def walker(
     group. Heights and trailer are those of `walking_system`.
     """
     groups = tuple(next(iter(strata.values())))
-    swings = [
+    swings = tuple(
         Swing(stratum, str(i), tuple(float(g == group) for g in groups), twist)
         for stratum, twists in strata.items()
         for i, group in enumerate(groups, start=1)
         if (twist := twists.get(group)) is not None or group not in twists
-    ]
-    return walking_system(groups, strata, swings, heights=heights, trailer=trailer)
+    )
+    contacts = tuple((stratum, tuple(twists)) for stratum, twists in strata.items())
+    return walking_system(groups, contacts, swings, heights=heights, trailer=trailer)
 
 
 def finger_gaiting(fingers: int = 3, reach: float = 1, span: float = 0.5) -> Problem:

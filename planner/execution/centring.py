@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import product
+from itertools import accumulate, product
 
 from planner.numerics.arrays import Array
 from planner.systems.flows import Flow
@@ -41,14 +41,9 @@ class _Visit:
 
     def load(self, rates: Mapping[str, float]) -> tuple[float, float] | None:
         """Middle and end of a coordinate's strokes, from their start; None if none."""
-        lowest = highest = net = 0.0
-        loaded = False
-        for name, duration in self.runs:
-            if rate := rates[name]:
-                loaded = True
-                net += rate * duration
-                lowest, highest = min(lowest, net), max(highest, net)
-        return ((lowest + highest) / 2, net) if loaded else None
+        ways = [rates[name] * duration for name, duration in self.runs if rates[name]]
+        ends = [*accumulate(ways, initial=0.0)]
+        return ((min(ends) + max(ends)) / 2, ends[-1]) if ways else None
 
 
 def centred(

@@ -94,9 +94,8 @@ class _Legs:
         parts = self._parts(flow.duration * rates)
         part = flow._replace(duration=flow.duration / parts)
         for _ in range(parts):
-            yield from self.set(
-                {i: -part.duration * rates[i] / 2 for i in self.recoveries}
-            )
+            ahead = {i: -part.duration * rates[i] / 2 for i in self.recoveries}
+            yield from self.set(ahead)
             yield part
             self.now += part.duration * rates
 
@@ -125,9 +124,9 @@ class _Legs:
         now = {i: float(self.now[i]) for i in targets}
         moves = self._moves(now, targets)
         if moves is None:
-            angles = ", ".join(f"{self.shape.names[i]} = {now[i]:.4g}" for i in now)
+            where = ", ".join(f"{self.shape.names[i]} = {now[i]:.4g}" for i in now)
             raise StratumError(
-                f"no leg can be repositioned without tipping from {angles}"
+                f"no leg can be repositioned without tipping from {where}"
             )
         flows: list[Flow] = []
         for i, place in moves:
@@ -151,9 +150,8 @@ class _Legs:
                     kept.append(place)
             places.append(np.array(kept))
         named = dict(zip((self.shape.names[i] for i in legs), places, strict=True))
-        steady = self.static_stability(
-            [self.recoveries[i][0].stratum for i in legs], named
-        )
+        strata = [self.recoveries[i][0].stratum for i in legs]
+        steady = self.static_stability(strata, named)
         goal = [int(_apart(now[i], targets[i])) for i in legs]
         moves = reposition_legs(places, steady, [0] * len(legs), goal)
         return moves and [(legs[leg], place) for leg, place in moves]

@@ -24,9 +24,8 @@ from planner.support.stopping import tick
 
 Expression = Any
 """A symbol, expression or function of CasADi, or the module itself: it has no types."""
-Options = dict[str, Any]
 
-QUIET: Options = {
+QUIET = {
     "ipopt.print_level": 0,
     "ipopt.sb": "yes",
     "print_time": False,
@@ -35,7 +34,7 @@ QUIET: Options = {
     "ipopt.acceptable_iter": 0,
 }
 
-WARM: Options = {  # close to where a solution is known to be
+WARM = {  # close to where a solution is known to be
     "ipopt.mu_init": 1e-6,
     "ipopt.warm_start_init_point": "yes",
     "ipopt.warm_start_bound_push": 1e-8,
@@ -91,12 +90,12 @@ class Ipopt:
     """
 
     def __init__(
-        self, program: Mapping[str, Expression], options: Options | None = None
+        self, program: Mapping[str, Expression], options: dict[str, Any] | None = None
     ) -> None:
-        self._watch = _watch()(program["x"].numel(), program["g"].numel())
-        settings = QUIET | {"iteration_callback": self._watch} | (options or {})
-        self._solver = solver().nlpsol("plan", "ipopt", program, settings)
         self._given = program, options or {}
+        self._watch = _watch()(program["x"].numel(), program["g"].numel())
+        settings = QUIET | {"iteration_callback": self._watch} | self._given[1]
+        self._solver = solver().nlpsol("plan", "ipopt", program, settings)
 
     def warm(self) -> Ipopt:
         """The same program, with its derivatives, to be solved from near a solution."""
