@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -33,8 +33,6 @@ class GaitDraft:
     pivots: tuple[Array, ...] = ()
     # swing of each leg's joint per angle of its group, by the place of the leg
     swings: tuple[Swings, ...] = ()
-    # further numbers of the card, by key
-    settings: Mapping[str, float] = field(default_factory=dict)
 
 
 def alternating(
@@ -92,8 +90,7 @@ def rowing(limbs: Sequence[Limb], crawl: Crawl) -> GaitDraft:
         f"legs are turned by up to {most:.0f} degrees, so that each can be lifted "
         f"while the others stand; strokes are up to {crawl.stroke:.2f} rad either way",
     )
-    settings = {"lift_time": LIFT_TIME}
-    return GaitDraft(crawl.turns, tuple(lines), guesses, settings=settings)
+    return GaitDraft(crawl.turns, tuple(lines), guesses)
 
 
 def drafted_lift(pose: Pose, limbs: Sequence[Limb]) -> float:
@@ -116,7 +113,7 @@ def card_text(
     lines = [
         'description = "Drafted by stratawalk adopt."',
         f"lift_angle = {drafted_lift(pose, limbs):.4g}",
-        *(f"{key} = {value:g}" for key, value in gait.settings.items()),
+        f"lift_time = {LIFT_TIME:g}",
         "",
         "[start]  # joint angles in which it stands [rad]",
         *(f"{toml_key(joint)} = {angle:.9g}" for joint, angle in angles.items()),

@@ -212,7 +212,7 @@ class Drive:
         if resolution := self._servo.resolution:
             rest = self._rest / resolution  # on a count, so that strokes end on some
             counts = np.round(ctrl[:, joints] / resolution - rest) + np.round(rest)
-            if not isinstance(schedule, Played):
+            if not (isinstance(schedule, Played) or self._lift_counts.fine):
                 lift, loads = schedule.angles(rows)[1], None
                 if rehearsed is not None:
                     loads = bent[:, lifts]

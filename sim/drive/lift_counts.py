@@ -3,7 +3,7 @@
 One count moves a foot about as far as its load bends the servo, so that a standing leg
 that changed by a count would lift off. A lift joint therefore keeps one count while the
 same feet stand. A foot passes the heights at which it may touch in a single command,
-with which standing feet change their counts, too.
+with which standing feet change their counts, too. Finer counts follow the loads.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from planner import Array
 from sim.preparation.setup import Setup
 
 PASSED = 2.0  # counts above the floor that a foot passes in a single command
+FINE = 2.0  # counts, by which loads bend all legs that stand: each can follow its load
 TRUSTED = 2.0  # counts, by which statics may be off before a rehearsal is trusted more
 
 
@@ -67,12 +68,8 @@ class LiftCounts:
         the gaps between remainders that one is taken for which counts change least from
         stratum to stratum, then the widest.
         """
-        robot, rows = self.setup.robot, list[Array]()
-        for stratum in sorted(set(robot.card.gait)):
-            down = np.array([group in stratum for group in robot.groups])
-            counts = robot.raise_sign * (self._standing + self._bent(down))
-            rows.append(np.where(down[robot.group_of_leg], counts, np.nan))
-        loads = np.stack(rows)  # of standing legs on each stratum of the gait, (S, F)
+        robot = self.setup.robot
+        loads = robot.raise_sign * (self._standing + self._loads)
         remainders = np.unique(loads[np.isfinite(loads)] % 1)
         gaps = np.diff(remainders, append=remainders[0] + 1)
         shifts = (1 - remainders - gaps / 2) % 1 - 0.5
@@ -85,6 +82,25 @@ class LiftCounts:
         best = min(range(len(gaps)), key=cost)
         shift: Array = robot.raise_sign * shifts[best]
         return shift
+
+    @cached_property
+    def fine(self) -> bool:
+        """Whether counts are so fine that lift joints follow their loads."""
+        alone = np.isnan(self._loads).any(axis=1)  # strata on which some legs are up
+        return bool(np.nanmin(np.abs(self._loads[alone]), initial=np.inf) >= FINE)
+
+    @cached_property
+    def _loads(self) -> Array:
+        """Counts by which loads bend standing legs, (S, F), on each stratum of the gait.
+
+        Other legs have NaN.
+        """
+        robot, rows = self.setup.robot, list[Array]()
+        for stratum in sorted(set(robot.card.gait)):
+            down = np.array([group in stratum for group in robot.groups])
+            standing = down[robot.group_of_leg]
+            rows.append(np.where(standing, self._bent(down), np.nan))
+        return np.stack(rows)
 
     def _bent(self, down: Array) -> Array:
         """Counts by which loads bend each lift joint, while some groups stand, (F,)."""
