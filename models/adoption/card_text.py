@@ -51,14 +51,14 @@ def alternating(
         pairs = zip(stand.legs, stand.gains, strict=True)
         swings.append({i: sense * limbs[i].turn * float(gain) for i, gain in pairs})
         gains = ", ".join(f"{i + 1} = {gain:.9g}" for i, gain in swings[-1].items())
-        lines += ["", f"[group.{name}]  # turns the body about ({x:.4f}, {y:.4f})"]
+        lines += ["", f"[group.{name}]  # turns the body about ({x:z.4f}, {y:z.4f})"]
         lines.append(f"legs = {{ {gains} }}  {GAIN}")
         if reach is not None and reach.touching:
             lines.append(f"swing = [{-reach.swing:.4g}, {reach.swing:.4g}]")
         legs = " ".join(str(i + 1) for i in stand.legs)
+        turned = f"turned by up to {most:.0f} degrees to " if round(most) else ""
         guesses.append(
-            f"group {name}, legs {legs}: turned by up to {most:.0f} degrees to meet at "
-            f"({x:.3f}, {y:.3f}) m"
+            f"group {name}, legs {legs}: {turned}meet at ({x:z.3f}, {y:z.3f}) m"
         )
     if reach is not None:
         guesses.append(f"groups swing {reach.swing:.2f} rad either way, {reach.reason}")

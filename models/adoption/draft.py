@@ -109,7 +109,7 @@ def draft_card(source: Source) -> Draft:
     held = sum(len(limb.hold) for limb in limbs)
     guesses.append(
         f"{len(limbs)} legs: joints nearest to the vertical swing, those that raise "
-        f"the foot most lift, {held} further joints are held"
+        f"the foot most lift{f', {held} further joints are held' if held else ''}"
     )
     guesses += gait.guesses
     if servo is not None:
@@ -117,7 +117,7 @@ def draft_card(source: Source) -> Draft:
     least = SOFT_SHARE * suited.stiffness
     if soft := [joint for joint in joints if 0 < found[joint] < least]:
         guesses.append(
-            f"the servos of {soft[0]!r} and {len(soft) - 1} further joints are soft, "
+            f"the servos of {len(soft)} joints, such as {soft[0]!r}, are soft, "
             f"{found[soft[0]]:.4g} N m/rad: if the robot strays from its prediction, "
             f"--set servo_stiffness={float(f'{suited.stiffness:.3g}'):g} "
             f"--set servo_damping={suited.damping:.3g} shows whether they are why"

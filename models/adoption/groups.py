@@ -230,9 +230,10 @@ def free_reach(
             )
         swing = farthest * (level - 1) / TRIED_ANGLES
         return Reach(swing, f"beyond which {one!r} and {other!r} would touch", True)
-    left = f"what is left of its range where {joint!r} stands"
-    left += f", at {np.rad2deg(pose.angle(joint)) + 0.0:.0f} degrees"
-    return Reach(farthest, f"which is {left}", False)
+    left = f"which is what is left of its range where {joint!r} stands"
+    if degrees := round(np.rad2deg(pose.angle(joint))):
+        left += f", at {degrees} degrees"
+    return Reach(farthest, left, False)
 
 
 class _Trial:
