@@ -83,15 +83,20 @@ class LiftCounts:
         shift: Array = robot.raise_sign * shifts[best]
         return shift
 
-    @cached_property
+    @property
     def fine(self) -> bool:
         """Whether counts are so fine that lift joints follow their loads."""
-        alone = np.isnan(self._loads).any(axis=1)  # strata on which some legs are up
-        return bool(np.nanmin(np.abs(self._loads[alone]), initial=np.inf) >= FINE)
+        return self.least_bent >= FINE
+
+    @cached_property
+    def least_bent(self) -> float:
+        """Counts by which the least load bends a leg, while others are in the air."""
+        alone = np.isnan(self._loads).any(axis=1)
+        return float(np.nanmin(np.abs(self._loads[alone]), initial=np.inf))
 
     @cached_property
     def _loads(self) -> Array:
-        """Counts by which loads bend standing legs, (S, F), on each stratum of the gait.
+        """Counts by which loads bend standing legs on each stratum of the gait, (S, F).
 
         Other legs have NaN.
         """

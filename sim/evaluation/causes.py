@@ -17,6 +17,7 @@ import numpy as np
 
 from models.description import actuator_of
 from planner import Array
+from sim.drive.lift_counts import LiftCounts
 from sim.evaluation.deviations import Scale, error_sources
 from sim.evaluation.motions import Achieved
 from sim.evaluation.summary import Weighed
@@ -180,6 +181,17 @@ def _soft(evidence: Evidence) -> str:
     return say("soft", joint=joint, stiffness=stiffness, bent=mean)
 
 
+def _coarse(evidence: Evidence) -> str:
+    """Counts with which lift joints cannot follow the loads of their legs."""
+    setup = evidence.walk.setup
+    if not (resolution := setup.servo.resolution):
+        return ""
+    counts = LiftCounts(setup.as_planned, feed_forward=True)
+    rise = resolution * float(np.abs(setup.kinematics.standing.gives[:, 2]).max())
+    told = {"degrees": np.rad2deg(resolution), "bent": counts.least_bent}
+    return "" if counts.fine else say("counts", millimetres=1e3 * rise, **told)
+
+
 def _hasty(evidence: Evidence) -> str:
     """Strokes that speed up faster than friction holds the feet."""
     setup, scenario = evidence.walk.setup, evidence.walk.setup.scenario
@@ -216,7 +228,7 @@ def _source(evidence: Evidence) -> str:
 
 Finder = Callable[[Evidence], str]
 SPOILING: tuple[Finder, ...] = (_steep, _never_loaded, _at_limits, _bouncing)
-EXPLAINING: tuple[Finder, ...] = (_hasty, _soft, _unknown, _source)
+EXPLAINING: tuple[Finder, ...] = (_hasty, _soft, _unknown, _coarse, _source)
 FINDERS: Mapping[str, tuple[Finder, ...]] = {
     "fell": (*SPOILING, *EXPLAINING[:-1]),
     "collided": (*SPOILING, _touching),

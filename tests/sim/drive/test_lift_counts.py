@@ -87,9 +87,18 @@ def test_counts_that_are_fine_are_the_commands_without_counts():
         np.concatenate(list(Drive(setup).commands(schedule, torques)))
         for setup in (fine, plain)
     )
-    # two counts of statics and one of height, and the lag of a foot that just lifts,
-    # 14e-6 rad; statics alone were 5e-3 rad off
-    assert np.abs(on_counts - without).max() <= 2e-5
+    # half a count, from joint zero and from rest; statics alone were 5e-3 rad off
+    assert np.abs(on_counts - without).max() <= 2e-6
+
+
+def test_counts_are_fine_where_the_least_load_bends_its_leg_by_two_of_them(setup):
+    bent = LiftCounts(setup, feed_forward=True).least_bent
+    assert bent == pytest.approx(0.86, abs=0.01)
+    for counts, fine in ((1.9, False), (2.1, True)):
+        resolution = setup.servo.resolution * bent / counts
+        finer = prepare(classroom(resolution=resolution))
+        assert LiftCounts(finer, feed_forward=True).fine is fine
+    assert not LiftCounts(finer, feed_forward=False).fine  # nothing to follow
 
 
 @pytest.mark.physics

@@ -99,6 +99,19 @@ def test_strokes_that_friction_does_not_hold_are_named(evidence):
     assert "lower swing_acceleration" in likely_cause("slipped", hasty)
 
 
+def test_counts_that_cannot_follow_loads_are_named_where_they_are_coarse(evidence):
+    servo, said = evidence.walk.setup.servo, likely_cause("drifted", evidence)
+    assert "a count of" not in said
+    coarse = with_setup(evidence, servo=replace(servo, resolution=0.01))
+    said = likely_cause("drifted", coarse)
+    # each of the softest loads bends its servo by a hundredth of a degree
+    assert "a count of 0.57 degrees raises a foot by" in said
+    assert "bends its servo by 0.0 counts" in said
+    assert "take servos with finer counts (servo)" in said
+    fine = with_setup(evidence, servo=replace(servo, resolution=1e-6))
+    assert "a count of" not in likely_cause("drifted", fine)
+
+
 def test_soft_servos_are_named(evidence):
     qpos = evidence.walk.recording.moments.qpos.copy()
     model = evidence.walk.setup.model
