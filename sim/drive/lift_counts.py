@@ -68,8 +68,8 @@ class LiftCounts:
         the gaps between remainders that one is taken for which counts change least from
         stratum to stratum, then the widest.
         """
-        robot = self.setup.robot
-        loads = robot.raise_sign * (self._standing + self._loads)
+        raise_sign = self.setup.robot.raise_sign
+        loads = raise_sign * (self._standing + self._loads)
         remainders = np.unique(loads[np.isfinite(loads)] % 1)
         gaps = np.diff(remainders, append=remainders[0] + 1)
         shifts = (1 - remainders - gaps / 2) % 1 - 0.5
@@ -80,7 +80,7 @@ class LiftCounts:
             return float(changes.sum()), -float(gaps[place])
 
         best = min(range(len(gaps)), key=cost)
-        shift: Array = robot.raise_sign * shifts[best]
+        shift: Array = raise_sign * shifts[best]
         return shift
 
     @property
@@ -100,11 +100,10 @@ class LiftCounts:
 
         Other legs have NaN.
         """
-        robot, rows = self.setup.robot, list[Array]()
-        for stratum in sorted(set(robot.card.gait)):
-            down = np.array([group in stratum for group in robot.groups])
-            standing = down[robot.group_of_leg]
-            rows.append(np.where(standing, self._bent(down), np.nan))
+        robot = self.setup.robot
+        strata = sorted(set(robot.card.gait))
+        down = [np.array([g in stratum for g in robot.groups]) for stratum in strata]
+        rows = [np.where(d[robot.group_of_leg], self._bent(d), np.nan) for d in down]
         return np.stack(rows)
 
     def _bent(self, down: Array) -> Array:
