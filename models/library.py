@@ -108,7 +108,8 @@ def _find(name: str) -> Path:
         )
     path = Path(name) if name.endswith(".xml") else FOLDER / f"{name}.xml"
     if not path.is_file():
-        message = f"no such robot file: {path}; give the path of an MJCF file"
+        own = f"{path.stem!r}, as shipped, or " * (path.stem in shipped)
+        message = f"no such robot file: {path}; give {own}the path of an MJCF file"
         raise UnknownRobotError(message)
     return path
 

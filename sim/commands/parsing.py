@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+import shlex
+from collections.abc import Iterable, Sequence
+from difflib import get_close_matches
+from itertools import islice
 from typing import NoReturn
 
 from planner.support import did_you_mean
 from sim.commands.declared import COMMANDS, GUESSES, declare
 from sim.commands.options import command_for, report
 from sim.errors import UsageError
+from sim.scenarios.settings import SETTINGS
 
 DESCRIPTION = "Plan how a legged robot walks from its equations, and walk it in MuJoCo."
 EPILOG = (
@@ -28,6 +32,11 @@ class Parser(argparse.ArgumentParser):
         lacking = message.removeprefix("the following arguments are required: ")
         if lacking != message:
             raise UsageError(f"{lacking} missing", self.prog, str(self.epilog))
+        option, expected, _ = message.removeprefix("argument ").partition(": expected")
+        if expected:
+            wanted = self._option_string_actions[option.split("/")[-1]].metavar
+            remedy = f"write {option} {wanted}; {self.epilog or 'see --help'}"
+            raise UsageError(f"{option} has no value", self.prog, remedy)
         raise UsageError(message, PLACE, f"see {self.prog} --help")
 
     def parse_known_args(  # type: ignore[override]
@@ -38,6 +47,9 @@ class Parser(argparse.ArgumentParser):
         """Parse, and refuse what no command line of this command has."""
         given, rest = super().parse_known_args(args, namespace)
         for begun in getattr(given, "set", ()):
+            if "=" not in begun and rest:
+                remedy = f"write --set {begun}={rest[0]}"
+                raise UsageError(f"{begun} has no value", "--set", remedy)
             if "=[" in begun and "]" not in begun:
                 remedy = "put quotes around a list: --set 'path.goal=[0, 0.05, 0]'"
                 raise UsageError(f"{begun} is not closed", "--set", remedy)
@@ -51,7 +63,16 @@ class Parser(argparse.ArgumentParser):
 
     def _refuse_word(self, word: str) -> NoReturn:
         """Say which option a word is a choice of, or how the command is written."""
+        from models import shipped_robots
+
         called = GUESSES["choices"].get(word, word)
+        takes, key = self._option_string_actions, word.partition("=")[0]
+        meant = "--robot" if word in shipped_robots() else ""
+        meant = "--set" if key in SETTINGS and key != word else meant
+        if meant in takes:
+            raise UsageError(
+                f"{word!r} stands alone", self.prog, f"write {meant} {word}"
+            )
         for action in self._actions:
             if called in map(str, action.choices or ()):
                 meant = f"write {action.option_strings[-1]} {called}"
@@ -108,29 +129,55 @@ def as_meant(words: Sequence[str]) -> list[str]:
     first = SAME.get(first, first)
     if first == "help":
         return as_meant([*rest[:1], "--help"])
+    if first == "stratawalk":
+        return as_meant(rest)
     if first.startswith("-") and first not in OPTIONS:
+        for place, word in enumerate(rest, start=1):
+            if word in COMMANDS:
+                line = shlex.join(["stratawalk", *words[place:], *words[:place]])
+                raise UsageError(f"{first} before its command", PLACE, f"try {line}")
         _refuse_option(first, rest, "stratawalk", OPTIONS[1:])
     if not first.startswith("-") and first not in COMMANDS:
-        meant = GUESSES["commands"].get(first) or command_for(first)
-        near = f"try {meant}" if meant else did_you_mean(first, [*COMMANDS, "help"])
-        raise UsageError(f"unknown command {first!r}", PLACE, near)
+        raise UsageError(f"unknown command {first!r}", PLACE, _instead_of(first, rest))
     return [first, *rest]
+
+
+def _instead_of(first: str, rest: Sequence[str]) -> str:
+    """What to type instead of a word that is no command, and of what follows it."""
+    if meant := GUESSES["commands"].get(first) or command_for(first):
+        return f"try {meant}"
+    if first in SETTINGS and f"{first}s" not in COMMANDS:
+        return f"try stratawalk run line --set {first}={rest[0] if rest else 'VALUE'}"
+    if near := get_close_matches(first, [*COMMANDS, "help"], n=1):
+        line = shlex.join(["stratawalk", *near, *rest])
+        return f"did you mean {line}? stratawalk help lists all commands"
+    return "begin with stratawalk run line; stratawalk help lists all commands"
 
 
 def _refuse_option(
     word: str, rest: Sequence[str], where: str, known: Sequence[str]
 ) -> NoReturn:
     """Refuse an option, and say what does it: another one, or a setting."""
-    from sim.scenarios.settings import SETTINGS
-
     option, equals, value = word.partition("=")
     name = option.lstrip("-").replace("-", "_")
     remedy = GUESSES["options"].get(name, "")
-    if not remedy and "--set" in known and name in SETTINGS:
+    settings = [f"--{key}" for key in SETTINGS if "--set" in known]
+    if not remedy and f"--{name}" not in settings:
+        takers = (
+            c for c, d in COMMANDS.items() if _takes(d.get("options", {}), option)
+        )
+        remedy = "".join(f"stratawalk {c} takes it" for c in islice(takers, 1))
+    near = get_close_matches(f"--{name}", [*known, *settings], n=1)
+    if not remedy and near and near[0] not in known:
         given = value if equals else " ".join(rest[:1]) or "VALUE"
-        remedy = f"write --set {name}={given}"
+        remedy = f"write --set {near[0][2:]}={given}"
     remedy = remedy or did_you_mean(option, known)
     raise UsageError(f"unknown option {option}", where, remedy)
+
+
+def _takes(options: Iterable[str], option: str) -> bool:
+    """Whether options as they are declared have one, such as `--out DIR`."""
+    return option in (declared.split()[0] for declared in options)
 
 
 def completion(options: argparse.Namespace) -> None:

@@ -99,7 +99,7 @@ class Sheet:
 
 def drawn(figure: str, kind: str, walks: Mapping[str, Walked] | None = None) -> Sheet:
     """Compute and draw a sheet: `paper`, or `metres` of the figure's `WALKS`."""
-    layout, module = _layouts()[figure][kind], _module(figure)
+    layout, module = layouts()[figure][kind], _module(figure)
     data = () if kind == "paper" else (walks or {},)
     with rc_context(STYLE):
         canvas, axes = sheet_of(layout.mosaic, layout.height, layout.options)
@@ -131,7 +131,8 @@ def rows_of(*columns: Iterable[Any]) -> list[tuple[Cell, ...]]:
 
 
 @cache
-def _layouts() -> Mapping[str, Mapping[str, Layout]]:
+def layouts() -> Mapping[str, Mapping[str, Layout]]:
+    """What `sheets.toml` says of all figures, by their names and kinds."""
     figures = tomllib.loads(LAYOUTS.read_text(encoding="utf-8"))
     for layout in (layout for kinds in figures.values() for layout in kinds.values()):
         layout["panels"] = {k: Panel(**panel) for k, panel in layout["panels"].items()}
@@ -175,7 +176,7 @@ def draw(
     }
     jobs = {walk: job for walks in needed.values() for walk, job in walks.items()}
     costs = {
-        (name, kind): _layouts()[name][kind].cost for name in names for kind in KINDS
+        (name, kind): layouts()[name][kind].cost for name in names for kind in KINDS
     }
     walking, drawing = sum(job.cost for job in jobs.values()), sum(costs.values())
     whole = time_left(walking, drawing)

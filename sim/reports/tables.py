@@ -25,6 +25,7 @@ from sim.scenarios.settings import SETTINGS
 from sim.templates import render
 
 MM = 1e3
+JOINED = "flows, those in a row along one field as one"  # which a plan counts singly
 SHIFTED = {  # what the phases of a walk are called in the table of sources
     "hold": "standing still on S{}",
     "lift": "lift-off to S{}",
@@ -114,7 +115,7 @@ def kinds_of(parts: Mapping[str, Array]) -> Iterator[tuple[str, list[str]]]:
 def counts(run: Run) -> Table:
     """Counts and lengths of the walk."""
     flows = sum(phase.kind == "swing" for phase in run.phases)
-    rows = [("segments", str(run.segments)), ("flows", str(flows))]
+    rows = [("segments", str(run.segments)), (JOINED, str(flows))]
     given = (q for q in OF_WALKS if q.value(run.summary) is not None)
     rows += [(q.title, q.cell(run.summary)) for q in given]
     return Table(("", ""), rows)

@@ -112,7 +112,7 @@ def _declared(
 @contextmanager
 def reading(folder: Path) -> Iterator[None]:
     """Refuse a folder that cannot be read as that of a finished run."""
-    remedy = "give the folder of a finished run"
+    remedy = "give the folder of a finished run, as stratawalk run line makes"
     try:
         if not folder.is_dir():
             named = sorted(Path("runs").glob(f"{escape(folder.name)}*"))

@@ -186,7 +186,8 @@ def _find(source: str) -> Path:
     if path.is_dir():
         raise UsageError("a folder is not a scenario", source, "give a TOML file in it")
     if not path.is_file():
-        remedy = "give a TOML file that exists"
+        shipped = f"{path.stem!r}, as shipped, or " * (path.stem in shipped_scenarios())
+        remedy = f"give {shipped}a TOML file that exists"
         raise UsageError("no such scenario file", source, remedy)
     return path
 

@@ -20,12 +20,12 @@ from markupsafe import Markup
 from sim.errors import UsageError
 from sim.figures.style import STYLE, sheet_of
 from sim.folder import whole
-from sim.palette import FAINT, OUTCOMES
+from sim.palette import FAINT, OUTCOMES, Colour
 from sim.reports.drawing import finish
 from sim.reports.tables import Table
 from sim.scenarios.file import toml_value
 from sim.scenarios.settings import FORMER, SETTINGS
-from sim.studies.results import NO_WALK, SEPARATE, Findings, Results
+from sim.studies.results import LIMITS, NO_WALK, SEPARATE, Findings, Results
 from sim.sweeps.folder import run_folder
 from sim.templates import render
 
@@ -80,12 +80,14 @@ def page(results: Results, found: Findings, table: Path, beside: Path) -> str:
     """The page as HTML, which will lie in a folder, with links relative to it."""
     walked = np.flatnonzero(np.isfinite(results.off))
     order = walked[np.argsort(results.off[walked], kind="stable")].tolist()
-    worst = [*order[: -EXTREMES - 1 : -1]]
-    best = [point for point in order[:EXTREMES] if point not in worst]
+    few = len(order) <= 2 * EXTREMES
+    worst = order[::-1] if few else order[: -EXTREMES - 1 : -1]
     folder = table if table.is_dir() else table.parent
     places = os.path.relpath(folder, beside)
     name = folder.resolve().name
-    counts = [(c, str(n), f"{n / len(results):.0%}") for c, n in found.classes.items()]
+    counts = [
+        (c, str(n), f"{n / len(results):.0%}") for c, n in found.classes.items() if n
+    ]
     counts += [(f"no walk: {why}", str(n), "") for why, n in found.reasons.items()]
     shares = [
         (key, *("–" if s is None else f"{s:.0%}" for s in (one.departure, one.falls)))
@@ -102,7 +104,7 @@ def page(results: Results, found: Findings, table: Path, beside: Path) -> str:
         explained=Table(("alone explains", "of distances", "of lost walks"), shares),
         maps=[finish(figure, " and ".join(keys), []) for keys, figure in drawn],
         worst=_points(results, worst, folder, places),
-        best=_points(results, best, folder, places),
+        best=_points(results, [] if few else order[:EXTREMES], folder, places),
     )
 
 
@@ -144,7 +146,8 @@ def _draw_map(axes: Axes, results: Results, across: str, up: str) -> None:
     worst = {place: max(some, key=badness.__getitem__) for place, some in there.items()}
     note = ", the worst at each place" if len(results) > len(worst) else ""
     axes.set_title(f"farthest off the {results.label} prediction, % of the path{note}")
-    colours = {place: OUTCOMES[results.classes[i]] for place, i in worst.items()}
+    shades = _shades(results)
+    colours = {place: shades[results.classes[i]] for place, i in worst.items()}
     if not all(_is_table(results.columns[key]) for key in (across, up)):
         size = float(np.clip(9000 / len(worst), 9, 260))
         fills = [colour.hex for colour in colours.values()]
@@ -163,12 +166,23 @@ def _draw_map(axes: Axes, results: Results, across: str, up: str) -> None:
         axes.text(x, y, label, color=colour.ink.hex, ha="center", va="center")
 
 
+def _shades(results: Results) -> list[Colour]:
+    """Colours of classes: the hue says how far off, several of one hue darken."""
+    hues = np.searchsorted(LIMITS, results.limits).tolist()
+    shades = (
+        OUTCOMES[hue].tint((hues[: i + 1].count(hue) + 1) / (hues.count(hue) + 1))
+        for i, hue in enumerate(hues)
+    )
+    return [*shades, *OUTCOMES[len(LIMITS) :]]
+
+
 def _draw_curve(axes: Axes, results: Results, key: str) -> None:
     from matplotlib.ticker import LogLocator
 
     x = _place(axes, results, key, "x")
     share = 100 * np.maximum(np.nan_to_num(results.off, nan=1.0), SMALLEST_SHARE)
-    colours = [OUTCOMES[found].hex for found in results.classes]
+    shades = _shades(results)
+    colours = [shades[found].hex for found in results.classes]
     axes.scatter(x, share, s=12, c=colours, linewidths=0)
     axes.set_yscale("log")
     axes.yaxis.set_major_formatter("{x:g}")
@@ -228,7 +242,9 @@ def _legend(axes: Axes, results: Results) -> None:
 
     marks = [
         Line2D([], [], label=f"{name}: {count}", color=colour.hex, marker="s", ls="")
-        for (name, count), colour in zip(results.counts.items(), OUTCOMES, strict=True)
+        for (name, count), colour in zip(
+            results.counts.items(), _shades(results), strict=True
+        )
         if count
     ]
     axes.legend(handles=marks, loc="center left", bbox_to_anchor=(1.0, 0.5))

@@ -37,7 +37,7 @@ FURTHER = ("beyond", "fell", "no walk")  # classes, after those of the limits
 FELL, NO_WALK = 4, 5
 VARIANCES = "variance of the distance's logarithm, and of walks fallen or impossible"
 ALONE = "one setting alone varies: there is nothing to divide among several"
-QUARTILES = (0.25, 0.5, 0.75)  # of the points, next to which fitted limits are
+THIRDS = (1 / 3, 2 / 3, 1.0)  # of the points, above which the fitted limits are
 ROUND = np.outer(
     10.0 ** np.arange(-9, 4), (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0)
 ).ravel()
@@ -85,14 +85,14 @@ class Results:
         return dict(zip(names, counted.tolist(), strict=True))
 
     def fitted(self) -> Results:
-        """The same with round limits next to the quartiles of those that walked."""
+        """The same with round limits above each third of those that walked."""
         off = self.off[self.classes < FELL]
         if not len(off):
             return self
-        wanted = np.maximum(np.quantile(off, QUARTILES), ROUND[0])
-        places = np.abs(np.log(ROUND[:, None] / wanted)).argmin(axis=0)
+        places = np.searchsorted(ROUND * (1 + 1e-9), np.quantile(off, THIRDS))
         places[1:] = np.maximum(places[1:], places[0] + (1, 2))  # one after another
-        limits = ROUND[np.maximum(places, (0, 0, places[1] + 1))].tolist()
+        places[2] = max(places[2], places[1] + 1)
+        limits = ROUND[np.minimum(places, len(ROUND) - np.array([3, 2, 1]))].tolist()
         return replace(self, limits=tuple(limits))
 
     @property

@@ -110,7 +110,9 @@ def _find(source: str) -> Path:
     if path.is_file():
         return path
     if path.suffix or len(path.parts) > 1:
-        raise UsageError("no such sweep file", source, "give a TOML file that exists")
+        shipped = f"{path.stem!r}, as shipped, or " * (path.stem in shipped_studies())
+        remedy = f"give {shipped}a TOML file that exists"
+        raise UsageError("no such sweep file", source, remedy)
     remedy = f"{did_you_mean(source, shipped_studies())}; or give a file"
     raise UsageError(f"unknown study {source!r}", "FILE.toml", remedy)
 

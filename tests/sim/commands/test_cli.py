@@ -28,7 +28,7 @@ QUICK = (*SHORT, "--set", 'predictions=["quasi_static"]')
 @pytest.mark.parametrize(
     ("words", "code", "said"),
     [
-        (["gallop"], 2, "unknown command 'gallop': the command line; there are run, "),
+        (["gallop"], 2, "unknown command 'gallop': the command line; begin with "),
         (["run"], 2, "SCENARIO missing: stratawalk run; for example"),
         (["run", "line", "--sgments", "3"], 2, "did you mean '--segments'?"),
         (["run", "line", "--segments", "many"], 2, "invalid int value: 'many'"),

@@ -39,12 +39,15 @@ def test_help_with_a_command_explains_it(command, capsys):
     [
         (
             ["rnu", "line"],
-            "unknown command 'rnu': the command line; did you mean 'run",
+            "unknown command 'rnu': the command line; did you mean stratawalk run l",
         ),
-        (["hlep"], "unknown command 'hlep': the command line; did you mean 'help'"),
+        (
+            ["hlep"],
+            "unknown command 'hlep': the command line; did you mean stratawalk help?",
+        ),
         (
             ["help", "rum"],
-            "unknown command 'rum': the command line; did you mean 'run",
+            "unknown command 'rum': the command line; did you mean stratawalk run ",
         ),
         (["--verson"], "unknown option --verson: stratawalk; did you mean '--version'"),
         (
@@ -153,6 +156,24 @@ def test_a_slip_of_the_finger_is_answered_with_what_was_meant(words, meant, caps
         ("reproduce", "try stratawalk figures"),
         ("optimise line", "try stratawalk plan line --optimise time"),
         ("play gait.csv", "stratawalk play hexapod examples/tripods.csv"),
+        ("scenario line", "did you mean stratawalk scenarios line?"),
+        ("robot hexapod", "did you mean stratawalk robots hexapod?"),
+        ("runs line", "did you mean stratawalk run line?"),
+        ("gallop", "begin with stratawalk run line"),
+        ("slope 0.1", "try stratawalk run line --set slope=0.1"),
+        ("movie", "try stratawalk film"),
+        ("run --robot", "write --robot NAME|FILE.xml; for example: stratawalk run"),
+        ("run line hexapod", "write --robot hexapod"),
+        ("run line friction=0.5", "write --set friction=0.5"),
+        ("run line --set friction 0.5", "write --set friction=0.5"),
+        ("run line --fric 0.5", "write --set friction=0.5"),
+        ("run line --replay", "stratawalk view takes it"),
+        ("--robot hexapod run line", "try stratawalk run line --robot hexapod"),
+        ("run line.toml", "give 'line', as shipped, or a TOML file"),
+        ("sweep legs.toml --out there", "give 'legs', as shipped, or a TOML file"),
+        ("run line --robot hexapod.xml", "give 'hexapod', as shipped, or the path"),
+        ("view 1", "finished run, as stratawalk run line makes"),
+        ("fit hexapod", "stratawalk fit hexapod LOG.csv"),
     ],
 )
 def test_a_first_guess_is_answered_with_a_command_that_works(
@@ -199,6 +220,11 @@ def test_the_version_is_told_however_it_is_asked_for(words, capsys):
     with suppress(SystemExit):
         assert main([words]) == 0
     assert re.fullmatch(r"stratawalk \d+\.\d+\.\d+\S*\n", capsys.readouterr().out)
+
+
+def test_the_name_of_the_program_may_stand_twice(capsys):
+    assert main(["stratawalk", "systems", "unicycle"]) == 0
+    assert capsys.readouterr().out.startswith("unicycle ")
 
 
 def test_one_system_is_told_by_its_name(capsys):

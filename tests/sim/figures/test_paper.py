@@ -1,6 +1,7 @@
 """Figures on the paper's kinematics: what they show is so, and they are drawn."""
 
 import csv
+import re
 import xml.etree.ElementTree as ET
 
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 from PIL import Image
 
 from planner.planning.paths import ellipse, line
-from sim.figures import stability
+from sim.figures import NAMES, stability
 from sim.figures.diagonal import footprints
 from sim.figures.line import GOAL
 from sim.figures.paper import (
@@ -21,7 +22,7 @@ from sim.figures.paper import (
     tube,
     walk,
 )
-from sim.figures.sheet import Table, drawn, page, save
+from sim.figures.sheet import KINDS, Table, drawn, layouts, page, save
 from sim.figures.stability import sign_map
 from sim.figures.style import extremes
 
@@ -180,3 +181,13 @@ def test_a_sheet_is_saved_under_its_title(papers, tmp_path):
     assert sheet.figure.get_suptitle() == sheet.title
     keys = [*sheet.figure.legends, *(a.get_legend() for a in sheet.figure.axes)]
     assert any(keys)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("name", NAMES)
+def test_a_caption_says_what_every_panel_is(name, kind):
+    layout = layouts()[name][kind]
+    letters = re.findall(r"\((\w)\)", layout.caption)
+    for first, last in re.findall(r"\((\w)\) to \((\w)\)", layout.caption):
+        letters += map(chr, range(ord(first), ord(last)))
+    assert len(layout.panels) == 1 or set(letters) >= set(layout.panels)
