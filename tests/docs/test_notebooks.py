@@ -70,7 +70,8 @@ sliders[0].value = 30;
 sliders[0].dispatchEvent(new Event("input"));
 return {
   hexapod: endpoint("hexapod", loop), unicycle: endpoint("unicycle", loop),
-  said: [...document.querySelectorAll("output")].map((e) => e.textContent),
+  said: [...document.querySelectorAll(".two output")].map((e) => e.textContent),
+  width: document.querySelector("label output").textContent,
 };
 """
 
@@ -98,6 +99,7 @@ def test_the_page_without_a_server_computes_what_the_planner_does(tmp_path):
         name = "hexapod" if system is hexapod else "unicycle"
         np.testing.assert_allclose(found[name], end, atol=1e-9)  # the planner's
     assert all("sideways; bracket times area" in said for said in found["said"])
+    assert found["width"] == "0.9 rad, 0.27 rad"  # 30 % of twice the ranges
 
 
 @pytest.mark.full
