@@ -7,6 +7,7 @@ rest of the picture.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import mujoco
 import numpy as np
@@ -48,6 +49,7 @@ LEVELS = 5  # equal parts of the height that contours divide
 BEND = 0.1  # [rad] that a path turns between its points, or
 BEAT = 6  # pictures; what comes first
 FOOTPRINT_CORNERS = 8  # of a disc that is a few pixels wide
+FRESH = 2 * FRAME_RATE  # pictures in which a prediction is seen that came true
 FADING = ((0.25, None), (0.45, 8 * FRAME_RATE), (0.75, 3 * FRAME_RATE))
 """Strength of a footprint's colour, and in how many pictures it is so strong."""
 
@@ -65,7 +67,7 @@ def marks(walk: Run, clock: Clock, frames: range) -> tuple[Mark, ...]:
         Mark("goal", discs(end, first, radius), NOMINAL.colour),
         Mark("goal's eye", discs(end, first, 0.75 * radius), palette.PAPER),
         # The predicted paths are wider than the achieved one, and below it.
-        *(_path(walk, clock, p, palette.PREDICTED[n]) for n, p in walk.drawn.items()),
+        *(mark for name in walk.drawn for mark in _predicted(walk, clock, name)),
         _path(walk, clock, walk.achieved, palette.ACHIEVED),
         _thought(walk, clock),
         Mark(NOMINAL.label, nominal, NOMINAL.colour),
@@ -156,11 +158,24 @@ def _covered(walk: Run, clock: Clock) -> Drawing:
     return swept(robot, walk, clock)
 
 
-def _path(walk: Run, clock: Clock, poses: Array, style: PathMark) -> Mark:
+def _predicted(walk: Run, clock: Clock, name: str) -> Iterator[Mark]:
+    """The path of a prediction; it stays where it can be told from the achieved one."""
+    poses, style = walk.drawn[name], palette.PREDICTED[name]
+    way = _path(walk, clock, poses, style)
+    yield replace(way, drawing=replace(way.drawing, life=FRESH))
+    apart = np.hypot(*(walk.achieved - poses)[:, :2].T) > style.width * walk.reach / 2
+    yield replace(_path(walk, clock, poses, style, apart), name=f"{style.label}, apart")
+
+
+def _path(
+    walk: Run, clock: Clock, poses: Array, style: PathMark, seen: Array | None = None
+) -> Mark:
     rows = spaced_rows(poses[:, :2], SPACING * walk.reach)
     rows = rows[_telling(poses[rows], clock.frame_of(rows))]
     width, jump = style.width * walk.reach, JUMP * walk.reach
-    line = ribbon(poses[rows, :2], clock.frame_of(rows), width, jump)
+    points = poses[rows, :2]
+    points = points if seen is None else np.where(seen[rows, None], points, np.nan)
+    line = ribbon(points, clock.frame_of(rows), width, jump)
     return Mark(style.label, line, style.colour)
 
 

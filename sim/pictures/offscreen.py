@@ -6,23 +6,20 @@ drawn, never stepped; its states are those of the run.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 
 import mujoco
 import numpy as np
-import shapely
-from PIL import Image, ImageDraw
 
 from models.description import root_body
 from planner import Array
 from sim import palette
-from sim.palette import Colour
+from sim.pictures.body import BodyLines, LegNumbers, floor_height
 from sim.pictures.camera import FIELD_OF_VIEW, HEIGHT, WIDTH, Camera
 from sim.pictures.drawing import Drawing, Mark
-from sim.pictures.ghost import Ghost, body_corners, ghost_of
-from sim.pictures.legend import text
+from sim.pictures.ghost import Ghost, ghost_of
 from sim.runs.run import Run
 
 SUN = np.array([-0.25, 0.35, -1.0])  # direction of the direct light
@@ -35,9 +32,6 @@ EXTENT = 2.5  # [reach of the robot], over which the shadows' texels are spread
 NEAREST = 0.2  # [extent]; nothing is closer to the camera, and depth is the finer
 PREFIX = "film: "  # of names, against those of the robot
 FLOOR = f"{PREFIX}floor"
-RADIUS = 9  # of the disc under the number of a leg [pixels]
-OVERSAMPLING = 4  # of that disc when drawn, for smooth edges
-RIM, ARROW = 2, 0.16  # width of the outline [pixels], size of the arrow [body's width]
 SPARE_GEOMS = 1000  # beyond those of the model, for what MuJoCo adds
 
 
@@ -117,7 +111,7 @@ class OffscreenRenderer:
         mujoco.mjr_readPixels(picture, None, area, self._brush)
         picture = picture[::-1].copy()  # OpenGL counts rows from below
         pixels = partial(self._camera.pixels, frame)
-        self._body.write(picture, data, pixels)
+        self._body.write(picture, data, row, pixels)
         self._numbers.write(picture, data, pixels)
         return picture
 
@@ -131,72 +125,12 @@ class OffscreenRenderer:
             mujoco.mjr_uploadMesh(self._model, self._brush, mesh)
 
 
-class BodyLines:
-    """Draws the outline of the body, and an arrow on it that points to its front."""
-
-    def __init__(self, walk: Run, model: mujoco.MjModel) -> None:
-        self._root = root_body(model, walk.model_file)
-        self._corners = body_corners(model, self._root)
-        low, high = self._corners.min(axis=0), self._corners.max(axis=0)
-        size = ARROW * (high - low)[:2].min()
-        tip = np.array([high[0] - size, (low + high)[1] / 2, high[2]])
-        arrow = [(0, 0, 0), (-1.5, 0.8, 0), (-1.5, -0.8, 0)]
-        self._arrow = tip + size * np.array(arrow)
-
-    def write(
-        self, picture: Array, data: mujoco.MjData, pixels: Callable[[Array], Array]
-    ) -> None:
-        """Draw on a picture of a state, in place."""
-        place, turn = data.xpos[self._root], data.xmat[self._root].reshape(3, 3)
-        corners = pixels(place + self._corners @ turn.T)
-        rim = shapely.get_coordinates(shapely.convex_hull(shapely.MultiPoint(corners)))
-        arrow = pixels(place + self._arrow @ turn.T)
-        image = Image.fromarray(picture)
-        draw = ImageDraw.Draw(image)
-        draw.line(rim.ravel().tolist(), palette.FAINT, RIM, "curve")
-        draw.polygon(arrow.ravel().tolist(), palette.TEXT)
-        picture[:] = np.asarray(image)
-
-
-class LegNumbers:
-    """Writes the number of each leg at its foot, but not over a picture's edge."""
-
-    def __init__(self, walk: Run, model: mujoco.MjModel) -> None:
-        self._feet = [model.geom(walk.card.legs[n].foot[0]).id for n in walk.legs]
-        owners = zip(walk.legs, walk.group_of_foot, strict=True)
-        self._discs = [_disc(str(leg), palette.group(owner)) for leg, owner in owners]
-
-    def write(
-        self, picture: Array, data: mujoco.MjData, pixels: Callable[[Array], Array]
-    ) -> None:
-        """Write on a picture of a state, in place."""
-        places = np.round(pixels(data.geom_xpos[self._feet])).astype(int)
-        for disc, (x, y) in zip(self._discs, places, strict=True):
-            side, half = disc.shape[0], disc.shape[0] // 2
-            area = picture[max(y - half, 0) :, max(x - half, 0) :][:side, :side]
-            if y < half or x < half or area.shape[:2] != (side, side):
-                continue
-            share = disc[..., 3:] / 255
-            area[:] = np.round(share * disc[..., :3] + (1 - share) * area)
-
-
-def _disc(number: str, colour: Colour) -> Array:
-    """A number on a disc, shape (side, side, 4), bytes, the last one its opacity."""
-    side = 2 * RADIUS + 3
-    whole = side * OVERSAMPLING
-    large = Image.new("RGBA", (whole, whole), (*colour, 0))
-    draw = ImageDraw.Draw(large)
-    rim = (0, 0, whole - 1, whole - 1)
-    draw.ellipse(rim, (255, 255, 255, 255), colour, 2 * OVERSAMPLING)
-    text(draw, (whole // 2, whole // 2), number, 13 * OVERSAMPLING, "mm", palette.TEXT)
-    return np.asarray(large.resize((side, side), Image.Resampling.LANCZOS))
-
-
 def build(walk: Run, marks: Sequence[Mark], look: Look) -> mujoco.MjModel:
     """The model of a walk with its marks on the floor, one mesh each."""
     spec = mujoco.MjSpec.from_file(str(walk.model_file))
     _light(spec, look)
-    floor = _lay_floor(spec)
+    _lay_floor(spec)
+    floor = floor_height(walk.model)
     for layer, mark in enumerate(marks, start=1):
         _draw(spec, mark, floor + LAYER * walk.reach * layer, LAYER * walk.reach)
     visual = spec.visual
@@ -239,17 +173,13 @@ def _light(spec: mujoco.MjSpec, look: Look) -> None:
     spec.worldbody.add_light(castshadow=True, **sun)
 
 
-def _lay_floor(spec: mujoco.MjSpec) -> float:
-    """Make the floor plain, with no texture; height of its tops [m]."""
+def _lay_floor(spec: mujoco.MjSpec) -> None:
+    """Make the floor plain, with no texture."""
     spec.add_material(name=FLOOR, specular=0)
     kinds = mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_HFIELD
-    floors = [geom for geom in spec.worldbody.geoms if geom.type in kinds]
-    for geom in floors:
-        geom.material, geom.rgba = FLOOR, palette.PAPER.rgba()
-    if not floors:
-        return 0.0
-    field = spec.hfield(floors[0].hfieldname) if floors[0].hfieldname else None
-    return float(floors[0].pos[2] + (0.0 if field is None else field.size[2]))
+    for geom in spec.worldbody.geoms:
+        if geom.type in kinds:
+            geom.material, geom.rgba = FLOOR, palette.PAPER.rgba()
 
 
 def _draw(spec: mujoco.MjSpec, mark: Mark, height: float, thickness: float) -> None:
