@@ -92,21 +92,21 @@ class PathMark:
 
 
 NOMINAL = PathMark("nominal path", Colour(84, 88, 98), 0.01, 1.2, (3.7, 1.6))
-ACHIEVED = PathMark("achieved path", Colour(0, 128, 98), 0.006, 2.2)
+ACHIEVED = PathMark("achieved path", Colour(0, 128, 98), 0.008, 2.2)
 THOUGHT = PathMark("thought to be there", Colour(15, 0, 225), 0.004, 0.7)
 PREDICTED: Mapping[str, PathMark] = {
-    "ideal": PathMark("ideal prediction", Colour(176, 96, 0), 0.014, 0.7),
+    "ideal": PathMark("ideal prediction", Colour(176, 96, 0), 0.006, 0.7),
     "quasi_static": PathMark(
-        "quasi-static prediction", Colour(128, 34, 190), 0.01, 0.8, (4.0, 1.5)
+        "quasi-static prediction", Colour(128, 34, 190), 0.006, 0.8, (4.0, 1.5)
     ),
     "identified": PathMark(
-        "identified prediction", Colour(28, 168, 237), 0.008, 0.8, (1.0, 1.0)
+        "identified prediction", Colour(28, 168, 237), 0.006, 0.8, (1.0, 1.0)
     ),
     "compliant": PathMark(
-        "compliant prediction", Colour(210, 29, 195), 0.008, 0.8, (6.0, 1.2)
+        "compliant prediction", Colour(210, 29, 195), 0.006, 0.8, (6.0, 1.2)
     ),
     "measured": PathMark(
-        "measured path", Colour(117, 5, 121), 0.008, 1.6, (5.0, 1.0, 1.0, 1.0)
+        "measured path", Colour(117, 5, 121), 0.006, 1.6, (5.0, 1.0, 1.0, 1.0)
     ),
 }
 

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import argparse
 import shlex
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from difflib import get_close_matches
-from itertools import islice
 from typing import NoReturn
 
 from planner.support import did_you_mean
@@ -32,12 +31,8 @@ class Parser(argparse.ArgumentParser):
         lacking = message.removeprefix("the following arguments are required: ")
         if lacking != message:
             raise UsageError(f"{lacking} missing", self.prog, str(self.epilog))
-        option, expected, _ = message.removeprefix("argument ").partition(": expected")
-        if expected:
-            wanted = self._option_string_actions[option.split("/")[-1]].metavar
-            remedy = f"write {option} {wanted}; {self.epilog or 'see --help'}"
-            raise UsageError(f"{option} has no value", self.prog, remedy)
-        raise UsageError(message, PLACE, f"see {self.prog} --help")
+        example = f"; {self.epilog}" if self.epilog else ""
+        raise UsageError(message, PLACE, f"see {self.prog} --help{example}")
 
     def parse_known_args(  # type: ignore[override]
         self,
@@ -66,15 +61,9 @@ class Parser(argparse.ArgumentParser):
         from models import shipped_robots
 
         called = GUESSES["choices"].get(word, word)
-        takes, key = self._option_string_actions, word.partition("=")[0]
-        meant = "--robot" if word in shipped_robots() else ""
-        meant = "--set" if key in SETTINGS and key != word else meant
-        if meant in takes:
-            raise UsageError(
-                f"{word!r} stands alone", self.prog, f"write {meant} {word}"
-            )
+        taken = {"robot": shipped_robots(), "set": [word] * ("=" in word)}
         for action in self._actions:
-            if called in map(str, action.choices or ()):
+            if called in map(str, action.choices or taken.get(action.dest, ())):
                 meant = f"write {action.option_strings[-1]} {called}"
                 raise UsageError(f"{word!r} stands alone", self.prog, meant)
         remedy = self.epilog or f"see {self.prog} --help"
@@ -132,10 +121,9 @@ def as_meant(words: Sequence[str]) -> list[str]:
     if first == "stratawalk":
         return as_meant(rest)
     if first.startswith("-") and first not in OPTIONS:
-        for place, word in enumerate(rest, start=1):
-            if word in COMMANDS:
-                line = shlex.join(["stratawalk", *words[place:], *words[:place]])
-                raise UsageError(f"{first} before its command", PLACE, f"try {line}")
+        if place := next((i for i, word in enumerate(words) if word in COMMANDS), 0):
+            line = shlex.join(["stratawalk", *words[place:], *words[:place]])
+            raise UsageError(f"{first} before its command", PLACE, f"try {line}")
         _refuse_option(first, rest, "stratawalk", OPTIONS[1:])
     if not first.startswith("-") and first not in COMMANDS:
         raise UsageError(f"unknown command {first!r}", PLACE, _instead_of(first, rest))
@@ -160,24 +148,20 @@ def _refuse_option(
     """Refuse an option, and say what does it: another one, or a setting."""
     option, equals, value = word.partition("=")
     name = option.lstrip("-").replace("-", "_")
-    remedy = GUESSES["options"].get(name, "")
     settings = [f"--{key}" for key in SETTINGS if "--set" in known]
-    if not remedy and f"--{name}" not in settings:
-        takers = (
-            c for c, d in COMMANDS.items() if _takes(d.get("options", {}), option)
-        )
-        remedy = "".join(f"stratawalk {c} takes it" for c in islice(takers, 1))
+    remedy = GUESSES["options"].get(name, "")
+    for command, declared in COMMANDS.items():
+        if (
+            f"--{name}" not in settings
+            and option in " ".join(declared.get("options", ())).split()
+        ):
+            remedy = remedy or f"stratawalk {command} takes it"
     near = get_close_matches(f"--{name}", [*known, *settings], n=1)
     if not remedy and near and near[0] not in known:
         given = value if equals else " ".join(rest[:1]) or "VALUE"
         remedy = f"write --set {near[0][2:]}={given}"
     remedy = remedy or did_you_mean(option, known)
     raise UsageError(f"unknown option {option}", where, remedy)
-
-
-def _takes(options: Iterable[str], option: str) -> bool:
-    """Whether options as they are declared have one, such as `--out DIR`."""
-    return option in (declared.split()[0] for declared in options)
 
 
 def completion(options: argparse.Namespace) -> None:

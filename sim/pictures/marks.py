@@ -7,7 +7,6 @@ rest of the picture.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 import mujoco
 import numpy as np
@@ -49,7 +48,6 @@ LEVELS = 5  # equal parts of the height that contours divide
 BEND = 0.1  # [rad] that a path turns between its points, or
 BEAT = 6  # pictures; what comes first
 FOOTPRINT_CORNERS = 8  # of a disc that is a few pixels wide
-FRESH = 2 * FRAME_RATE  # pictures in which a prediction is seen that came true
 FADING = ((0.25, None), (0.45, 8 * FRAME_RATE), (0.75, 3 * FRAME_RATE))
 """Strength of a footprint's colour, and in how many pictures it is so strong."""
 
@@ -66,12 +64,11 @@ def marks(walk: Run, clock: Clock, frames: range) -> tuple[Mark, ...]:
         *_footprints(walk, clock),
         Mark("goal", discs(end, first, radius), NOMINAL.colour),
         Mark("goal's eye", discs(end, first, 0.75 * radius), palette.PAPER),
-        # The predicted paths are wider than the achieved one, and below it.
-        *(mark for name in walk.drawn for mark in _predicted(walk, clock, name)),
+        # Predicted paths are narrower than the achieved one, which covers what came true.
+        *(_path(walk, clock, p, palette.PREDICTED[n]) for n, p in walk.drawn.items()),
         _path(walk, clock, walk.achieved, palette.ACHIEVED),
         _thought(walk, clock),
         Mark(NOMINAL.label, nominal, NOMINAL.colour),
-        *_weight(walk, clock, frames),
     )
     return tuple(mark for mark in drawn if len(mark.drawing))
 
@@ -158,24 +155,11 @@ def _covered(walk: Run, clock: Clock) -> Drawing:
     return swept(robot, walk, clock)
 
 
-def _predicted(walk: Run, clock: Clock, name: str) -> Iterator[Mark]:
-    """The path of a prediction; it stays where it can be told from the achieved one."""
-    poses, style = walk.drawn[name], palette.PREDICTED[name]
-    way = _path(walk, clock, poses, style)
-    yield replace(way, drawing=replace(way.drawing, life=FRESH))
-    apart = np.hypot(*(walk.achieved - poses)[:, :2].T) > style.width * walk.reach / 2
-    yield replace(_path(walk, clock, poses, style, apart), name=f"{style.label}, apart")
-
-
-def _path(
-    walk: Run, clock: Clock, poses: Array, style: PathMark, seen: Array | None = None
-) -> Mark:
+def _path(walk: Run, clock: Clock, poses: Array, style: PathMark) -> Mark:
     rows = spaced_rows(poses[:, :2], SPACING * walk.reach)
     rows = rows[_telling(poses[rows], clock.frame_of(rows))]
     width, jump = style.width * walk.reach, JUMP * walk.reach
-    points = poses[rows, :2]
-    points = points if seen is None else np.where(seen[rows, None], points, np.nan)
-    line = ribbon(points, clock.frame_of(rows), width, jump)
+    line = ribbon(poses[rows, :2], clock.frame_of(rows), width, jump)
     return Mark(style.label, line, style.colour)
 
 
@@ -248,16 +232,6 @@ def _corners(hull: shapely.Geometry) -> Array:
     if isinstance(hull, shapely.Polygon):
         return shapely.get_coordinates(shapely.orient_polygons(hull))[:-1]
     return shapely.get_coordinates(hull)
-
-
-def _weight(walk: Run, clock: Clock, frames: range) -> Iterator[Mark]:
-    centres = walk.center_of_mass[clock.rows[frames.start : frames.stop]]
-    for name, share, colour in (
-        ("rim of the centre of mass", 1.4, palette.PAPER),
-        ("centre of mass", 1.0, palette.CENTRE_OF_MASS),
-    ):
-        spots = discs(centres, np.array(frames), share * palette.SPOT * walk.reach)
-        yield Mark(name, join([spots], life=1), colour)
 
 
 def swept(robot: Solids, walk: Run, clock: Clock) -> Drawing:

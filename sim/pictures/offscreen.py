@@ -6,20 +6,24 @@ drawn, never stepped; its states are those of the run.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
 import mujoco
 import numpy as np
+import shapely
+from PIL import Image, ImageDraw
 
 from models.description import root_body
 from planner import Array
 from sim import palette
-from sim.pictures.body import BodyLines, LegNumbers, floor_height
+from sim.motion.poses import spaced_rows
+from sim.palette import Colour
 from sim.pictures.camera import FIELD_OF_VIEW, HEIGHT, WIDTH, Camera
 from sim.pictures.drawing import Drawing, Mark
-from sim.pictures.ghost import Ghost, ghost_of
+from sim.pictures.ghost import Ghost, body_corners, ghost_of
+from sim.pictures.legend import text
 from sim.runs.run import Run
 
 SUN = np.array([-0.25, 0.35, -1.0])  # direction of the direct light
@@ -32,6 +36,10 @@ EXTENT = 2.5  # [reach of the robot], over which the shadows' texels are spread
 NEAREST = 0.2  # [extent]; nothing is closer to the camera, and depth is the finer
 PREFIX = "film: "  # of names, against those of the robot
 FLOOR = f"{PREFIX}floor"
+RIM, AHEAD = 2, 0.14  # width of lines [pixels]; of the word in front [body's width]
+SPACING = 0.006  # between points of the path below the body [reach of the robot]
+RADIUS = 9  # of the disc under the number of a leg [pixels]
+OVERSAMPLING = 4  # of that disc when drawn, for smooth edges
 SPARE_GEOMS = 1000  # beyond those of the model, for what MuJoCo adds
 
 
@@ -123,6 +131,94 @@ class OffscreenRenderer:
         if (faces[mesh], numbers[mesh]) != (first, count):
             faces[mesh], numbers[mesh] = first, count
             mujoco.mjr_uploadMesh(self._model, self._brush, mesh)
+
+
+class BodyLines:
+    """Draws what tells the body: its outline, its front, and the paths below it."""
+
+    def __init__(self, walk: Run, model: mujoco.MjModel) -> None:
+        self._root, height = root_body(model, walk.model_file), floor_height(walk.model)
+        self._corners = body_corners(model, self._root)
+        low, high = self._corners.min(axis=0), self._corners.max(axis=0)
+        middle, ahead = (low[2] + high[2]) / 2, AHEAD * (high - low)[:2].min()
+        front = ((0, low[1]), (0, high[1]), (ahead, (low[1] + high[1]) / 2))
+        self._front = np.array([(high[0] + x, y, middle) for x, y in front])
+        self._rows = spaced_rows(walk.achieved[:, :2], SPACING * walk.reach)
+        paths = walk.achieved[self._rows, :2], walk.nominal[:, :2], walk.center_of_mass
+        self._ways = [np.insert(path, 2, height, axis=1) for path in paths]
+
+    def write(
+        self,
+        picture: Array,
+        data: mujoco.MjData,
+        row: int,
+        pixels: Callable[[Array], Array],
+    ) -> None:
+        """Draw on a picture of a state, in place."""
+        place, turn = data.xpos[self._root], data.xmat[self._root].reshape(3, 3)
+        hull = shapely.MultiPoint(pixels(place + self._corners @ turn.T)).convex_hull
+        *edge, (x, y) = map(tuple, pixels(place + self._front @ turn.T).tolist())
+        walked, nominal, weight = self._ways
+        walked = walked[: np.searchsorted(self._rows, row, side="right")]
+        image = Image.fromarray(picture)
+        draw = ImageDraw.Draw(image)
+        for path, mark in (
+            (walked, palette.ACHIEVED),
+            (nominal, palette.NOMINAL),
+        ):
+            points = pixels(path)
+            hidden = shapely.contains_xy(hull, points)
+            cuts = np.flatnonzero(np.diff(hidden)) + 1
+            for part in np.split(points, cuts)[int(not hidden[:1].all()) :: 2]:
+                draw.line(part.ravel().tolist(), mark.colour, RIM)
+        spot = pixels(weight[row]).tolist()
+        draw.circle(spot, 4 * RIM, palette.CENTRE_OF_MASS, palette.PAPER, RIM)
+        draw.line(shapely.get_coordinates(hull).ravel().tolist(), palette.FAINT, RIM)
+        draw.line(edge, palette.TEXT, 2 * RIM)
+        draw.rounded_rectangle((x - 24, y - 10, x + 24, y + 10), 10, palette.PAPER)
+        text(draw, (round(x), round(y)), "front", 14, "mm")
+        picture[:] = np.asarray(image)
+
+
+class LegNumbers:
+    """Writes the number of each leg at its foot, but not over a picture's edge."""
+
+    def __init__(self, walk: Run, model: mujoco.MjModel) -> None:
+        self._feet = [model.geom(walk.card.legs[n].foot[0]).id for n in walk.legs]
+        owners = zip(walk.legs, walk.group_of_foot, strict=True)
+        self._discs = [_disc(str(leg), palette.group(owner)) for leg, owner in owners]
+
+    def write(
+        self, picture: Array, data: mujoco.MjData, pixels: Callable[[Array], Array]
+    ) -> None:
+        """Write on a picture of a state, in place."""
+        places = np.round(pixels(data.geom_xpos[self._feet])).astype(int)
+        for disc, (x, y) in zip(self._discs, places, strict=True):
+            side, half = disc.shape[0], disc.shape[0] // 2
+            area = picture[max(y - half, 0) :, max(x - half, 0) :][:side, :side]
+            if y < half or x < half or area.shape[:2] != (side, side):
+                continue
+            share = disc[..., 3:] / 255
+            area[:] = np.round(share * disc[..., :3] + (1 - share) * area)
+
+
+def _disc(number: str, colour: Colour) -> Array:
+    """A number on a disc, shape (side, side, 4), bytes, the last one its opacity."""
+    side = 2 * RADIUS + 3
+    whole = side * OVERSAMPLING
+    large = Image.new("RGBA", (whole, whole), (*colour, 0))
+    draw = ImageDraw.Draw(large)
+    rim = (0, 0, whole - 1, whole - 1)
+    draw.ellipse(rim, (255, 255, 255, 255), colour, 2 * OVERSAMPLING)
+    text(draw, (whole // 2, whole // 2), number, 13 * OVERSAMPLING, "mm", palette.TEXT)
+    return np.asarray(large.resize((side, side), Image.Resampling.LANCZOS))
+
+
+def floor_height(model: mujoco.MjModel) -> float:
+    """Height of the tops of a world's floor, which has the one height field [m]."""
+    kinds = mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_HFIELD
+    floors = np.flatnonzero(np.isin(model.geom_type, kinds))[:1]
+    return float(model.geom_pos[floors, 2].sum() + model.hfield_size[:1, 2].sum())
 
 
 def build(walk: Run, marks: Sequence[Mark], look: Look) -> mujoco.MjModel:

@@ -159,7 +159,7 @@ def test_a_slip_of_the_finger_is_answered_with_what_was_meant(words, meant, caps
         ("gallop", "begin with stratawalk run line"),
         ("slope 0.1", "try stratawalk run line --set slope=0.1"),
         ("movie", "try stratawalk film"),
-        ("run --robot", "write --robot NAME|FILE.xml; for example: stratawalk run"),
+        ("run --robot", "for example: stratawalk run line"),
         ("run line hexapod", "write --robot hexapod"),
         ("run line friction=0.5", "write --set friction=0.5"),
         ("run line --set friction 0.5", "write --set friction=0.5"),

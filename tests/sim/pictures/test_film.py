@@ -2,7 +2,6 @@
 
 import shutil
 import subprocess
-from dataclasses import replace
 
 import mujoco
 import numpy as np
@@ -13,7 +12,7 @@ from sim.pictures import gl, run_film
 from sim.pictures.camera import camera
 from sim.pictures.clock import clock
 from sim.pictures.file import count_pictures
-from sim.pictures.marks import FADING, FRESH, marks
+from sim.pictures.marks import FADING
 from sim.pictures.run_film import Piece, film_folder
 from sim.runs.run import read_run
 from tests.screen import FFMPEG, decode, on_screen
@@ -146,17 +145,6 @@ def test_the_path_is_seen_through_the_body(filmed, decoded):
     point = walk.achieved[np.flatnonzero(off > 0.012)[-1], :2]  # beside the weight
     seen = colours_at(decoded[-1], view, film_clock.scene[-1], point)
     assert np.abs(seen - palette.ACHIEVED.colour).max(axis=1).min() < 40
-
-
-def test_a_prediction_that_came_true_fades_and_another_one_stays(walked):
-    walk, film_clock, _ = view_of(walked)
-    shifted = walk.achieved + (0.05, 0.0, 0.0)
-    astray = replace(walk, arrays={**walk.arrays, "achieved_pose": shifted})
-    label = palette.PREDICTED[walk.best].label
-    for run, stays in ((walk, False), (astray, True)):
-        drawn = {mark.name: mark.drawing for mark in marks(run, film_clock, range(0))}
-        assert drawn[label].life == FRESH
-        assert (f"{label}, apart" in drawn) == stays
 
 
 @pytest.mark.render

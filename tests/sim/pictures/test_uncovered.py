@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 import shapely
 
-from sim.pictures.body import RADIUS
 from sim.pictures.camera import ACROSS, FREE, HEIGHT, WIDTH, View, camera
 from sim.pictures.captions import Captions
 from sim.pictures.clock import clock
+from sim.pictures.offscreen import RADIUS
 from sim.run_folder import write
 from sim.runs.run import read_run
 from sim.scenarios.file import load_scenario, shipped_scenarios
