@@ -64,7 +64,7 @@ def marks(walk: Run, clock: Clock, frames: range) -> tuple[Mark, ...]:
         *_footprints(walk, clock),
         Mark("goal", discs(end, first, radius), NOMINAL.colour),
         Mark("goal's eye", discs(end, first, 0.75 * radius), palette.PAPER),
-        # Predicted paths are narrower than the achieved one, which covers what came true.
+        # The achieved path is wider than predicted ones, and covers what came true.
         *(_path(walk, clock, p, palette.PREDICTED[n]) for n, p in walk.drawn.items()),
         _path(walk, clock, walk.achieved, palette.ACHIEVED),
         _thought(walk, clock),
