@@ -77,11 +77,8 @@ def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | No
     named = first.endswith(".xml") or first in shipped_robots()
     paths = [Path(name) for name in (rest if named else options.sources)]
     if not paths:
-        raise UsageError(
-            "nothing to fit",
-            first,
-            f"name a LOG, or a RUN: stratawalk fit {first} LOG.csv",
-        )
+        remedy = f"name a LOG, or a RUN: stratawalk fit {first} LOG.csv"
+        raise UsageError("nothing to fit", first, remedy)
     runs = {path: read_run(path) for path in paths if path.is_dir()}
     if not named and paths[0] not in runs:
         what = f"{first!r} is no robot, and a log does not name its own"

@@ -40,6 +40,7 @@ RIM, AHEAD = 2, 0.14  # width of lines [pixels]; of the word in front [body's wi
 SPACING = 0.006  # between points of the path below the body [reach of the robot]
 RADIUS = 9  # of the disc under the number of a leg [pixels]
 OVERSAMPLING = 4  # of that disc when drawn, for smooth edges
+Pixels = Callable[[Array], Array]  # where points are in a picture
 SPARE_GEOMS = 1000  # beyond those of the model, for what MuJoCo adds
 
 
@@ -148,11 +149,7 @@ class BodyLines:
         self._ways = [np.insert(path, 2, height, axis=1) for path in paths]
 
     def write(
-        self,
-        picture: Array,
-        data: mujoco.MjData,
-        row: int,
-        pixels: Callable[[Array], Array],
+        self, picture: Array, data: mujoco.MjData, row: int, pixels: Pixels
     ) -> None:
         """Draw on a picture of a state, in place."""
         place, turn = data.xpos[self._root], data.xmat[self._root].reshape(3, 3)
@@ -162,10 +159,7 @@ class BodyLines:
         walked = walked[: np.searchsorted(self._rows, row, side="right")]
         image = Image.fromarray(picture)
         draw = ImageDraw.Draw(image)
-        for path, mark in (
-            (walked, palette.ACHIEVED),
-            (nominal, palette.NOMINAL),
-        ):
+        for path, mark in ((walked, palette.ACHIEVED), (nominal, palette.NOMINAL)):
             points = pixels(path)
             hidden = shapely.contains_xy(hull, points)
             cuts = np.flatnonzero(np.diff(hidden)) + 1
@@ -188,9 +182,7 @@ class LegNumbers:
         owners = zip(walk.legs, walk.group_of_foot, strict=True)
         self._discs = [_disc(str(leg), palette.group(owner)) for leg, owner in owners]
 
-    def write(
-        self, picture: Array, data: mujoco.MjData, pixels: Callable[[Array], Array]
-    ) -> None:
+    def write(self, picture: Array, data: mujoco.MjData, pixels: Pixels) -> None:
         """Write on a picture of a state, in place."""
         places = np.round(pixels(data.geom_xpos[self._feet])).astype(int)
         for disc, (x, y) in zip(self._discs, places, strict=True):

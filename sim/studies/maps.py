@@ -85,9 +85,8 @@ def page(results: Results, found: Findings, table: Path, beside: Path) -> str:
     folder = table if table.is_dir() else table.parent
     places = os.path.relpath(folder, beside)
     name = folder.resolve().name
-    counts = [
-        (c, str(n), f"{n / len(results):.0%}") for c, n in found.classes.items() if n
-    ]
+    there = ((c, n) for c, n in found.classes.items() if n)
+    counts = [(c, str(n), f"{n / len(results):.0%}") for c, n in there]
     counts += [(f"no walk: {why}", str(n), "") for why, n in found.reasons.items()]
     shares = [
         (key, *("–" if s is None else f"{s:.0%}" for s in (one.departure, one.falls)))
@@ -169,10 +168,10 @@ def _draw_map(axes: Axes, results: Results, across: str, up: str) -> None:
 def _shades(results: Results) -> list[Colour]:
     """Colours of classes: the hue says how far off, several of one hue darken."""
     hues = np.searchsorted(LIMITS, results.limits).tolist()
-    shades = (
-        OUTCOMES[hue].tint((hues[: i + 1].count(hue) + 1) / (hues.count(hue) + 1))
-        for i, hue in enumerate(hues)
+    parts = (
+        (hues[: i + 1].count(h) + 1) / (hues.count(h) + 1) for i, h in enumerate(hues)
     )
+    shades = map(Colour.tint, map(OUTCOMES.__getitem__, hues), parts)
     return [*shades, *OUTCOMES[len(LIMITS) :]]
 
 
@@ -240,11 +239,10 @@ def _label(value: object) -> str:
 def _legend(axes: Axes, results: Results) -> None:
     from matplotlib.lines import Line2D
 
+    classes = zip(results.counts.items(), _shades(results), strict=True)
     marks = [
         Line2D([], [], label=f"{name}: {count}", color=colour.hex, marker="s", ls="")
-        for (name, count), colour in zip(
-            results.counts.items(), _shades(results), strict=True
-        )
+        for (name, count), colour in classes
         if count
     ]
     axes.legend(handles=marks, loc="center left", bbox_to_anchor=(1.0, 0.5))
