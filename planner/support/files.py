@@ -55,7 +55,8 @@ def remove_unfinished() -> None:
 
 def require_space(folder: Path, size: int) -> None:
     """Refuse to write a number of bytes that a folder's disk has no room for."""
-    if shutil.disk_usage(folder).free < size:
+    total, _, free = shutil.disk_usage(folder)
+    if total and free < size:  # some, as /proc, do not say what they have
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(folder))
 
 

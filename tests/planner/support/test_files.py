@@ -4,6 +4,7 @@ import errno
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -67,6 +68,10 @@ def test_disk_that_is_too_small_is_refused_before_the_work(tmp_path):
     with pytest.raises(OSError, match="a.txt"), whole_file(tmp_path / "a.txt", 10**18):
         pytest.fail("there is no room for it")
     assert names(tmp_path) == []
+
+
+def test_a_disk_that_does_not_say_its_size_is_written_to():
+    require_space(Path("/proc"), 1000)
 
 
 def test_a_file_is_read_as_far_as_it_may_be_long(tmp_path):

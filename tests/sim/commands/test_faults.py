@@ -8,6 +8,7 @@ import time
 import psutil
 import pytest
 
+from sim.cli import main
 from tests.commands import COMMAND, OUTSIDE, refusal
 
 SYSTEM = """
@@ -74,6 +75,13 @@ def test_mjcf_in_latin_1_is_read(stratawalk, robot):
     name = robot("<worldbody>", "<!-- Fü\xdfe --><worldbody>", encoding="latin-1")
     done = stratawalk("robots", name)
     assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_a_working_folder_that_is_gone_is_named(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    tmp_path.rmdir()
+    assert main(["run", "line"]) == 6
+    assert "the working folder; check" in capsys.readouterr().err
 
 
 def test_what_ascii_cannot_say_is_said_in_escapes(stratawalk):
