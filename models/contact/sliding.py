@@ -208,9 +208,10 @@ class _Balance:
         k = 1 / np.maximum(compliance, _LEAST_COMPLIANCE * own) / ground.weight
         pushed = k * friction * ground.push * self.speed * speed
         standing = np.ones(k.shape, dtype=bool)
-        for _ in range(k.shape[-1] - 2):  # at least three feet stand
+        for _ in range(k.shape[-1] - 2):  # on fewer than three feet, no body does
             loads = self._springs(np.where(standing, [k, pushed], 0))
             pulled = standing & (loads < 0)
+            pulled &= (standing & ~pulled).sum(axis=-1, keepdims=True) >= 3
             if not pulled.any():
                 break
             standing &= ~pulled

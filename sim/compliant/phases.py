@@ -21,7 +21,7 @@ from sim.compliant.anatomy import Robots
 from sim.compliant.increment import LOADED, Mechanics
 from sim.compliant.march import SLACK, Commands, Track, march
 from sim.motion.poses import compose, relative
-from sim.motion.prediction import stability_margin
+from sim.motion.prediction import carrying, stability_margin
 
 REMEMBERED = 2.0  # [s] that feet remember; 1.5 is as good, 0.3 is not
 ALIKE = 1e-5  # [rad]; commands closer than this do the same
@@ -181,7 +181,8 @@ class Phases:
         above = height + track.center[:, 2]
         fall = down[:, :2] / down[:, 2:]
         center = track.center[:, :2] - above[:, None] * fall
-        least = LOADED * self.robots.weight[own, None]
+        loaded = track.load > LOADED * self.robots.weight[own, None]
+        stands = carrying(track.point, loaded, center)  # on some foot at every moment
         return Motion(
             time=track.time,
             pose=np.column_stack([track.place[:, :2], yaw]),
@@ -189,7 +190,7 @@ class Phases:
             slip=track.slip,
             load=track.load,
             torque=track.torque,
-            margin=stability_margin(track.point, track.load > least, center),
+            margin=stability_margin(track.point, stands, center),
         )
 
 

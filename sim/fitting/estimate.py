@@ -19,7 +19,7 @@ PART = 0.25  # of a direction, from which on a parameter takes part in it
 MOST_ROUNDS = 15  # of Gauss and Newton at most
 SETTLED = 0.02  # of standard errors, and of chi square; less ends the search
 LENGTHS = np.array([1.0, 0.3, 0.05])  # of a step, of which the best is taken
-LEAST_NOISE = 1e-12
+LEAST_NOISE = 1e-6  # [rad], [m]; no sensor has less, and what is exact can be inverted
 
 Model = Callable[[Array], Array]
 """Predictions (V, N, P) for variants of the parameters (V, P, K)."""

@@ -111,3 +111,18 @@ def test_the_example_is_played_twice_over(tmp_path, monkeypatch, capfd):
     assert summary["achieved"]["pose"][0] == pytest.approx(0.036, abs=0.002)
     text = (tmp_path / "runs" / "tripods-001" / "motion.csv").read_text()
     assert len(text.splitlines()) == 162
+
+
+def test_legs_that_throw_the_robot_are_predicted_without_an_error_of_ours(gait, capfd):
+    name = gait()
+    time, *angles = np.loadtxt(name, delimiter=",", skiprows=1).T
+    thrown = np.where(np.arange(6) % 2, -0.4, 0.4)[:, None] + np.zeros(len(angles))
+    names = ",".join(["time", *JOINTS])
+    rows = np.column_stack([time[:6], thrown])
+    np.savetxt("thrown.csv", rows, "%.9g", ",", "\n", names, "", "")
+    sets = "timestep=0.002", "predictions=['quasi_static', 'compliant']"
+    words = [word for one in sets for word in ("--set", one)]
+    assert main(["play", "hexapod", "thrown.csv", "--no-video", *words]) in (0, 7)
+    (summary,) = Path("runs").glob("*/summary.json")
+    predicted = json.loads(summary.read_text())["predicted"]
+    assert all(np.isfinite(one["min_margin"]) for one in predicted.values())

@@ -9,6 +9,7 @@ import pytest
 from models import load
 from sim.cli import main
 from sim.errors import UsageError
+from sim.fitting.estimate import Parameter, estimate, pooled
 from sim.fitting.fitting import MAKE, JointFit, fit_servos, one_make, servos
 from sim.fitting.servo_law import Commanded
 from sim.logs.log import Log, written
@@ -197,3 +198,17 @@ def test_a_card_with_an_unknown_setting_is_refused():
         UsageError, match=r"\[fitted\] has no key 'frictoin'.*'friction'"
     ):
         drawn(load_scenario("line"), odd)
+
+
+def test_exact_measurements_of_what_looks_the_same_can_still_be_pooled():
+    unseen = [Parameter(name=name, unit="rad", spread=1.0, step=1e-3) for name in "abc"]
+    rows = np.linspace(0, 1, 50)[:, None]
+
+    def model(tried):
+        return np.stack([0.1 * one.sum(axis=1) * rows for one in tried])
+
+    start = np.zeros((2, 3))
+    found = estimate(model, np.zeros((50, 2)), unseen, start, start)
+    make, own = pooled(found, [0])
+    assert np.isfinite(make.error).all()
+    assert np.isfinite(own.error).all()
