@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -60,8 +61,16 @@ class Estimates:
     @property
     def error(self) -> Array:
         """Standard errors, (P, K)."""
-        covariance = np.linalg.inv(self.information + self.expected)
-        return np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
+        strength, directions = self._strength
+        left = directions**2 / (1 + np.maximum(strength, 0.0))[:, None]
+        return np.asarray(self.spread * np.sqrt(left.sum(axis=-1)))
+
+    @cached_property
+    def _strength(self) -> tuple[Array, Array]:
+        """Of what measurements add to what was expected, in its own directions."""
+        scaled = self.information * np.outer(self.spread, self.spread)
+        strength, directions = np.linalg.eigh(scaled)
+        return strength, directions
 
     @property
     def seen(self) -> Array:
@@ -85,8 +94,7 @@ class Estimates:
 
     def unseen(self, problem: int = 0) -> list[str]:
         """In words, what the measurements of a problem do not tell, or not apart."""
-        scaled = self.information[problem] * np.outer(self.spread, self.spread)
-        strength, directions = np.linalg.eigh(scaled)
+        strength, directions = (part[problem] for part in self._strength)
         names = [p.name for p in self.parameters]
         return [
             _in_words(names, direction)

@@ -9,7 +9,7 @@ import pytest
 from models import load
 from sim.cli import main
 from sim.errors import UsageError
-from sim.fitting.estimate import Parameter, estimate, pooled
+from sim.fitting.estimate import Estimates, Parameter, estimate, pooled
 from sim.fitting.fitting import MAKE, JointFit, fit_servos, one_make, servos
 from sim.fitting.servo_law import Commanded
 from sim.logs.log import Log, written
@@ -212,3 +212,12 @@ def test_exact_measurements_of_what_looks_the_same_can_still_be_pooled():
     make, own = pooled(found, [0])
     assert np.isfinite(make.error).all()
     assert np.isfinite(own.error).all()
+
+
+def test_errors_are_numbers_where_measurements_see_one_direction_sharply():
+    names = [Parameter(name=name, unit="rad", spread=1.0, step=1e-3) for name in "abc"]
+    sharp = np.array([1.0, 1.0 / 3.0, 1.0 / 7.0])
+    one = np.zeros((1, 3))
+    found = Estimates(tuple(names), one, one, 1e22 * np.outer(sharp, sharp)[None], one)
+    across = 1 - sharp**2 / (sharp @ sharp)  # what is left of each, of the others
+    assert found.error[0] == pytest.approx(np.sqrt(across), rel=1e-6)
