@@ -43,6 +43,7 @@ MET = 1e-9  # distance from the goal to which flows of a chained form are follow
 CORRECTED = 1e-11  # distance above which they are corrected
 CORRECTABLE = 1e-2  # likewise, below which it is tried
 CORRECTIONS = 3
+FINER = (1, 4, 16)  # times as many segments that are tried
 CHART = 1.0  # [rad] to either side of its direction, for which a chart serves
 
 
@@ -128,7 +129,16 @@ class ChainedForm:
         )
 
     def _planned(self, start: Array, goal: Array, segments: int = 1) -> Plan:
-        """The plan in this chart; what integration misses is made up for."""
+        """The plan in this chart, in shorter segments where words swing too far."""
+        for times in FINER:
+            try:
+                return self._corrected(start, goal, times * segments)
+            except PlannerError as error:
+                refusal = error
+        raise refusal
+
+    def _corrected(self, start: Array, goal: Array, segments: int) -> Plan:
+        """The plan in so many segments; what integration misses is made up for."""
         parts = [self._straight(start, goal, segments)]
         missed = [_apart(parts[-1], goal)]
         while CORRECTED < missed[-1] < CORRECTABLE and len(missed) <= CORRECTIONS:

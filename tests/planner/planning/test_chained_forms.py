@@ -184,6 +184,13 @@ def test_two_trailers_are_brought_to_any_heading(two, headings):
     assert rollout(planned)[-1] == pytest.approx(goal, abs=1e-9)
 
 
+@pytest.mark.full
+def test_words_that_swing_too_far_for_a_chart_are_made_of_shorter_segments(two):
+    goal = np.array([-1.824, -1.857, 0.094, -0.212, 2.621, 0.129])
+    planned = two.plan(np.zeros(6), goal)
+    assert rollout(planned)[-1] == pytest.approx(goal, abs=1e-9)
+
+
 def test_charts_are_those_of_the_same_system_turned(two):
     """The plan for a turned start and goal is the plan turned."""
     plane, goal = two.plane, np.array([1.0, 0.5, 0.3, 0.2, 0.1, 0.0])
