@@ -19,11 +19,7 @@ from planner.extension.steering import Steering, steering
 from planner.numerics.arrays import Array
 from planner.numerics.subspaces import column_space
 from planner.systems.elements import column, leaves, name_of, parse
-from planner.systems.fields import (
-    CompiledFields,
-    compile_fields,
-    sample_configurations,
-)
+from planner.systems.fields import CompiledFields, compile_fields, sample_configurations
 from planner.systems.grouping import Grouper
 from planner.systems.rounding import vanishing
 from planner.systems.shape import ShapeCoordinates

@@ -35,11 +35,7 @@ from planner.lie.free_lie import lie_algebra
 from planner.lie.hall import Bracket, Element, degree, hall_basis
 from planner.lie.input_words import logarithm_of_word
 from planner.numerics.arrays import ROUNDING, Array
-from planner.systems.fields import (
-    CompiledFields,
-    compile_fields,
-    sample_configurations,
-)
+from planner.systems.fields import CompiledFields, compile_fields, sample_configurations
 from planner.systems.shape import ShapeCoordinates
 from planner.systems.strata import StratifiedSystem
 

@@ -16,12 +16,7 @@ from typing import Literal
 import numpy as np
 
 from planner.extension.bracket_fields import HallFields, hall_fields
-from planner.extension.rectangles import (
-    Rectangles,
-    rectangles,
-    sign_choices,
-    weights,
-)
+from planner.extension.rectangles import Rectangles, rectangles, sign_choices, weights
 from planner.lie.coordinates import integrate
 from planner.lie.free_lie import lie_algebra
 from planner.lie.input_words import Order, Spelling, joined, scaled, spellings
@@ -130,10 +125,7 @@ class Steering:
         return spelled
 
     def scaled_words(
-        self,
-        hall_coordinates: Array,
-        order: Wording,
-        scales: Array | None = None,
+        self, hall_coordinates: Array, order: Wording, scales: Array | None = None
     ) -> list[Word]:
         """Words whose flows are measured in other units, or run backward.
 

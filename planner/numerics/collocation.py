@@ -72,10 +72,7 @@ def follow(field: Callable[[Array], Array], x: Array, duration: float) -> Array:
 
 
 def follow_all(
-    field: Callable[[Array], Array],
-    x: Array,
-    durations: Array,
-    nodes: int = STEP_NODES,
+    field: Callable[[Array], Array], x: Array, durations: Array, nodes: int = STEP_NODES
 ) -> Array:
     """Ends of flows along one field from several states, shape (flows, n).
 

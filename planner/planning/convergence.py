@@ -111,13 +111,8 @@ def convergence_order(
     if coordinates == "symmetric":
         cancelled = (k - d) % 2 == 0
     else:
-        cancelled = not _misses(
-            extended,
-            longer,
-            samples[places],
-            leading,
-            set(chain(*CHOICES[coordinates])),
-        )
+        words = set(chain(*CHOICES[coordinates]))
+        cancelled = not _misses(extended, longer, samples[places], leading, words)
     return ConvergenceOrder(k, d, (k + 1 + cancelled - d) / d)
 
 

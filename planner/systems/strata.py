@@ -28,12 +28,7 @@ from planner.systems.declaration import (
     checked_state,
     checked_strata,
 )
-from planner.systems.fields import (
-    CompiledFields,
-    Symbols,
-    VectorField,
-    compile_fields,
-)
+from planner.systems.fields import CompiledFields, Symbols, VectorField, compile_fields
 from planner.systems.level_sets import LevelSet
 
 

@@ -17,12 +17,7 @@ from sim.motion.poses import PathDeviation, path_deviation, wrap
 from sim.optimisation.judging import Judge, criterion_of, task_of
 from sim.optimisation.lower_bound import least_time
 from sim.planning.bounds import within_bounds
-from sim.planning.open_loop import (
-    plan_along,
-    plan_open_loop,
-    plan_replanned,
-    unaimed,
-)
+from sim.planning.open_loop import plan_along, plan_open_loop, plan_replanned, unaimed
 from sim.planning.routes import routed
 from sim.planning.soundness import require_sound
 from sim.preparation.reach import explained, immobile, require_reach
