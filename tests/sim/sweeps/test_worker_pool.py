@@ -52,7 +52,7 @@ def running(kind, *words, env=ENV):
 
 
 @contextmanager
-def cluster(folder, env=ENV):
+def cluster(folder, env=ENV, nanny="--no-nanny"):
     """Address of a real scheduler with a worker, both on loopback."""
     file = folder / "scheduler.json"
     host = ("--host", "127.0.0.1")
@@ -66,7 +66,7 @@ def cluster(folder, env=ENV):
             time.sleep(0.1)
         address = pandas.read_json(file, typ="series")["address"]
         with running(
-            "worker", address, *host, "--nworkers", 1, "--nthreads", 1,
+            "worker", address, *host, "--nworkers", 1, "--nthreads", 1, nanny,
             "--no-dashboard", "--local-directory", folder / "scratch", env=env,
         ):  # fmt: skip
             yield address
@@ -109,7 +109,7 @@ def test_a_cluster_gives_the_bytes_that_one_machine_gives(tmp_path):
 @pytest.mark.full
 def test_a_poisoned_point_harms_no_other_on_a_cluster_either(tmp_path):
     file = write_sweep(tmp_path, POISON)
-    with cluster(tmp_path, env=poisoned(tmp_path)) as address:
+    with cluster(tmp_path, poisoned(tmp_path), "--nanny") as address:
         out = tmp_path / "out"
         done = stratawalk("sweep", file, "--out", out, "--scheduler", address)
     assert done.returncode == 8, done.stderr
