@@ -53,3 +53,9 @@ def test_proposed_posture_goes_everywhere(tmp_path):
     assert proposal.mobility.lacking == ()
     assert 0 < proposal.turned < 0.45  # within the joint range of 26 degrees
     assert "strokes a metre sideways" in str(proposal)
+
+
+def test_equal_robots_share_their_system_and_what_is_derived_from_it():
+    hexapod, other = load("hexapod"), load("hexapod-radial")
+    assert equations(hexapod).system is equations(load("hexapod")).system
+    assert equations(hexapod).system is not equations(other).system

@@ -16,12 +16,12 @@ shapes = pytest.importorskip("sim.optimisation.clearances")
 
 WALL = {"kind": "wall", "points": [[-0.4, 0.23], [0.4, 0.23]]}
 BESIDE = {
-    "path.goal": [0.02, 0.0, 0.0],
-    "segments": 3,
+    "path.goal": [0.014, 0.0, 0.0],
+    "segments": 2,
     "path_tolerance": 0.03,
     "yaw_tolerance": 3.2,
     "optimise": "time",
-    "hops": 1,
+    "hops": 0,
     "obstacles": [WALL],
 }
 
