@@ -1,9 +1,11 @@
 """Shared parts: a world built from the shipped hexapod, and a short real walk."""
 
 import gc
+import os
 import shutil
 import signal
 import subprocess
+import sys
 
 import pytest
 from filelock import FileLock
@@ -23,6 +25,9 @@ from tests.trials import FORKED
 from tests.walks import COSTLY
 
 REPORT = run_folder._report
+# Tests begin many processes, each of which would otherwise compile all modules anew.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 # A job in the background ignores these, and so would all that a test starts.
 ANSWERS = {signal.SIGINT: signal.default_int_handler, signal.SIGHUP: lambda *_: None}
 for _number, _answer in ANSWERS.items():
@@ -38,7 +43,11 @@ def pytest_collection_finish():
 
 
 def pytest_collection_modifyitems(items):
-    """Whole walks take as long as they need; only quick tests have a limit."""
+    """Whole walks take as long as they need; only quick tests have a limit.
+
+    Last are small tests without fixtures, for the worker that is idle to take over.
+    """
+    items.sort(key=lambda item: item.nodeid.startswith("tests/planner/"))
     for item in items:
         if item.get_closest_marker("full"):
             item.add_marker(pytest.mark.timeout(0))
