@@ -144,7 +144,7 @@ def test_the_path_is_seen_through_the_body(filmed, decoded):
     off = np.hypot(*(walk.achieved - walk.achieved[-1])[:, :2].T)
     point = walk.achieved[np.flatnonzero(off > 0.012)[-1], :2]  # beside the weight
     seen = colours_at(decoded[-1], view, film_clock.scene[-1], point)
-    assert np.abs(seen - palette.ACHIEVED.colour).max(axis=1).min() < 40
+    assert np.abs(seen - palette.ACHIEVED.colour).max(axis=1).min() < 60  # as above
 
 
 @pytest.mark.render
