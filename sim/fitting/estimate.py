@@ -62,7 +62,7 @@ class Estimates:
     def error(self) -> Array:
         """Standard errors, (P, K)."""
         strength, directions = self._strength
-        left = directions**2 / (1 + np.maximum(strength, 0.0))[:, None]
+        left = directions**2 / (1 + strength)[:, None]
         return np.asarray(self.spread * np.sqrt(left.sum(axis=-1)))
 
     @cached_property
@@ -70,7 +70,8 @@ class Estimates:
         """Of what measurements add to what was expected, in its own directions."""
         scaled = self.information * np.outer(self.spread, self.spread)
         strength, directions = np.linalg.eigh(scaled)
-        return strength, directions
+        rounded = strength[:, -1:] * len(self.parameters) * np.finfo(float).eps
+        return np.where(strength > rounded, strength, 0.0), directions
 
     @property
     def seen(self) -> Array:
@@ -99,7 +100,7 @@ class Estimates:
         return [
             _in_words(names, direction)
             for weight, direction in zip(strength, directions.T, strict=True)
-            if 1 / np.sqrt(1 + max(weight, 0.0)) > UNSEEN
+            if 1 / np.sqrt(1 + weight) > UNSEEN
         ]
 
 
