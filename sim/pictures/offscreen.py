@@ -37,7 +37,7 @@ NEAREST = 0.2  # [extent]; nothing is closer to the camera, and depth is the fin
 PREFIX = "film: "  # of names, against those of the robot
 FLOOR = f"{PREFIX}floor"
 RIM, AHEAD = 2, 0.14  # width of lines [pixels]; of the word in front [body's width]
-SPACING = 0.006  # between points of the path below the body [reach of the robot]
+GRAIN = 0.006  # between points of the path below the body [reach of the robot]
 RADIUS = 9  # of the disc under the number of a leg [pixels]
 OVERSAMPLING = 4  # of that disc when drawn, for smooth edges
 Pixels = Callable[[Array], Array]  # where points are in a picture
@@ -144,7 +144,7 @@ class BodyLines:
         middle, ahead = (low[2] + high[2]) / 2, AHEAD * (high - low)[:2].min()
         front = ((0, low[1]), (0, high[1]), (ahead, (low[1] + high[1]) / 2))
         self._front = np.array([(high[0] + x, y, middle) for x, y in front])
-        self._rows = spaced_rows(walk.achieved[:, :2], SPACING * walk.reach)
+        self._rows = spaced_rows(walk.achieved[:, :2], GRAIN * walk.reach)
         paths = walk.achieved[self._rows, :2], walk.nominal[:, :2], walk.center_of_mass
         self._ways = [np.insert(path, 2, height, axis=1) for path in paths]
 
