@@ -45,6 +45,7 @@ def test_the_reference_has_every_public_name_once(door):
 
 
 @pytest.mark.physics
+@pytest.mark.usefixtures("paged")
 @pytest.mark.parametrize(("door", "name"), NAMES, ids=lambda word: word)
 def test_every_public_name_has_an_example_that_runs(
     door, name, folder, monkeypatch, capsys

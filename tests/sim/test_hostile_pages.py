@@ -22,12 +22,11 @@ PLAIN = [name for name in NAMES if is_plain(name)]
 
 def spoilt(run):
     """A run in which every name is one of the thousand."""
-    many = {name: name for name in NAMES if "\ud800" not in name}
     mean = "".join(name for name in NAMES if "\ud800" not in name)
     summary = replace(run.summary, scenario=mean, robot=mean, stance=mean)
     return replace(
         run,
-        settings={**run.settings, "description": mean, **many},
+        settings={**run.settings, "description": mean},
         card_text=f"{run.card_text}\n# {''.join(PLAIN)}",
         summary=summary,
         phases=(*run.phases, phase("swing", "<b>", "<i>")),

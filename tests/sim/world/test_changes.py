@@ -141,7 +141,9 @@ def test_soles_that_overlap_are_told(edited, scenario):
 def test_marks_of_films_keep_their_colours(edited, tmp_path):
     grey = '><geom rgba="0.5 0.1 0.1 1" group="4"/>'
     edited(DEFAULTS, DEFAULTS.replace(">", grey, 1))
-    walk = SimpleNamespace(model_file=tmp_path / "hexapod.xml", reach=0.2)
+    file = tmp_path / "hexapod.xml"
+    model = mujoco.MjModel.from_xml_path(str(file))
+    walk = SimpleNamespace(model_file=file, model=model, reach=0.2)
     line = np.array([[0.0, 0.0], [0.1, 0.0]])
     mark = Mark("path", ribbon(line, np.zeros(2, int), 0.01), palette.ACHIEVED.colour)
     geom = build_scene(walk, [mark], LOOKS["draft"]).geom(mesh_name(mark.pieces[0][0]))
