@@ -59,7 +59,7 @@ static inline uint8_t {{ name }}_byte(void) {
   return pgm_read_byte(&{{ name }}[{{ name }}_place++]);
 }
 
-/* Brings a row of pulses up to date; for how many commands it holds, 0 at the end. */
+/* Brings a row of pulses up to date; returns for how many commands it holds, or 0 at the end. */
 static inline uint8_t {{ name }}_next(uint16_t *row) {
   uint8_t changed[({{ joints }} + 7) / 8], held, i;
   if ({{ name }}_place >= {{ NAME }}_BYTES) return 0;
