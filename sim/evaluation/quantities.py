@@ -76,7 +76,7 @@ OF_ROWS = (  # beside where each row ends, and how far the physics ends off it
     SLIP,
     Quantity("predicted.*.slip_transition", "switch slip", "mm", 1e3, 1),
 )
-WRONG = Quantity("feedback.wrong", "wrongly thought", "mm", 1e3, 2)
+WRONG = Quantity("feedback.wrong", "error of the estimate", "mm", 1e3, 2)
 CLAIMED = Quantity("feedback.claimed", "claimed error", "mm", 1e3, 2)
 OF_WALKS = (
     Quantity("achieved.creep_floor", "creep floor", "mm", 1e3, 3),
@@ -89,7 +89,7 @@ OF_WALKS = (
     Quantity("air_travel", "swing in the air", "rad", 1.0, 2),
     WRONG,
     CLAIMED,
-    Quantity("feedback.bound", "least error", "mm", 1e3, 2),
+    Quantity("feedback.bound", "least possible error", "mm", 1e3, 2),
     Quantity(
         "error.measured.position", "off the measured body, at the end", "mm", 1e3, 2
     ),

@@ -49,7 +49,7 @@ class Settings:
         "vector fields to steer with", "lifted", "equations"
     )
     stance: Literal["centred", "paper"] | None = setting(
-        "order of the flows: strokes centred, or as the paper prints them", None, "plan"
+        "order of the flows: with centred strokes, or as in the paper", None, "plan"
     )
     words: Literal["printed", "shortest", "symmetric"] = setting(
         "flows of a segment: printed, shortest, or mirrored by turns", "printed", "plan"
@@ -103,7 +103,7 @@ class Settings:
         "share of stops whose reading is wrong by up to 0.1 m and 0.5 rad", 0.0, "plan"
     )
     gyro_noise: Annotated[float, Range(0, 1)] | None = setting(
-        "growth of a gyroscope's error; no gyroscope if neither given nor of the kind",
+        "growth of a gyroscope's error; if not given, as the sense has it, if at all",
         None,
         "plan",
         "rad/sqrt(s)",
@@ -180,7 +180,9 @@ class Settings:
         "dead band to allow for; dead_band if not given", None, "drive", "rad"
     )
     dead_band_law: Literal["offset", "step"] = setting(
-        "torque beyond it: by the rest of the error, or by all of it", "offset", "world"
+        "torque beyond the band: by the rest of the error, or by all of it",
+        "offset",
+        "world",
     )
     zero_offset: Width | tuple[Zero, ...] = imperfection(
         "largest error of servos' zeros, drawn, or that of each", 0.0, "drive", "rad"
