@@ -7,6 +7,9 @@ import sys
 from pathlib import Path
 
 import pytest
+from latex2mathml.converter import convert
+
+from tests.browser import ask
 
 ROOT = Path(__file__).resolve().parents[2]
 FETCHED = r"<(?:script|link|img|iframe)[^>]*(?:src|href)=\"(https?:[^\"]+)\""
@@ -60,3 +63,25 @@ def test_the_whole_site_shows_notebooks_with_their_results(tmp_path):
     assert "data:video/mp4;base64," in pages["hexapod.html"]
     assert "<math" in pages["bracket.html"]
     assert "controllable by closure" in pages["cupboard.html"]
+
+
+@pytest.mark.render
+def test_brackets_stand_beside_all_rows_of_a_matrix(tmp_path):
+    style = (ROOT / "docs" / "_static" / "columns.css").read_text()
+    (fonts,) = re.findall(r"math {\s*font-family: (.*), math;", style)
+    command = ["fc-list", ":", "family"]
+    installed = subprocess.run(command, capture_output=True, text=True, check=True)
+    if not set(fonts.replace('"', "").split(", ")) & set(installed.stdout.split("\n")):
+        pytest.skip("NO FONT FOR MATHEMATICS on this machine")
+    rows = r"0 \\ " * 7
+    formula = convert(
+        rf"\left[\begin{{matrix}}{rows}\end{{matrix}}\right]", display="block"
+    )
+    page = tmp_path / "page.html"
+    head = f'<!DOCTYPE html><meta charset="utf-8"><style>{style}</style>'
+    page.write_text(f"{head}<body>{formula}</body>")
+    script = """return ["mo", "mtable"].map(
+        (name) => document.querySelector(name).getBoundingClientRect().height)"""
+    bracket, matrix = ask(page, script, tmp_path)
+    assert matrix > 100
+    assert bracket >= 0.9 * matrix  # 0.11 in a font of single signs
