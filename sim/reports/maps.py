@@ -38,7 +38,6 @@ NOTE = (
     "The ring is the goal. The body does not follow the nominal path itself but swings "
     "about it: it moves forward and back, and parks sideways."
 )
-
 SHARES = (
     "To the right the share of the walk that is done [%]; the largest in each segment, "
     "or in each phase of a walk of few segments."
@@ -91,18 +90,17 @@ def errors(run: Run) -> Iterator[Drawing]:
 
 def overlaid(runs: Sequence[tuple[str, Run]]) -> Iterator[Drawing]:
     """Achieved paths of several runs in one drawing, and how far off they are."""
+    widths, looks = np.linspace(2.0, 0.8, len(runs)), cycle(product(DASHES, RUNS))
     styles: list[Style] = [
-        {"color": colour.hex, "ls": dashes, "lw": 1.0}
-        for _, (dashes, colour) in zip(runs, cycle(product(DASHES, RUNS)), strict=False)
+        {"color": colour.hex, "ls": dashes, "lw": width}
+        for width, (dashes, colour) in zip(widths, looks, strict=False)
     ]
     names = [
         Key(name, style["color"], dashed=style["ls"] != DASHES[0])
         for (name, _), style in zip(runs, styles, strict=True)
     ]
     with sheet(_height([run for _, run in runs]), MAP_WIDTH) as (figure, axes):
-        known: dict[str, Key] = {}
-        for _, run in runs:
-            known |= {key.label: key for key in _draw_place(axes, run)}
+        known = {k.label: k for _, run in runs for k in _draw_place(axes, run)}
         for (_, run), style in zip(runs, styles, strict=True):
             if (real := run.compared.get("measured")) is not None:
                 axes.plot(*_walked(run, real), **PREDICTED["measured"].line())
