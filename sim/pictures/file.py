@@ -24,7 +24,7 @@ QUALITY = ("-preset", "superfast", "-crf", "22", "-threads", "1")
 # Fragments keep a piece readable up to where its encoder died.
 FRAGMENTS = ("-movflags", "+frag_keyframe+empty_moov+default_base_moof", "-g", "30")
 # A tenth of the data of the film itself; shown for ever.
-SMALLER = ("-vf", "fps=10,scale=640:-2:flags=lanczos", "-q:v", "50")
+SMALLER = ("-vf", "fps=10,scale=640:-2:flags=lanczos", "-q:v", "46")
 WEBP = ("-c:v", "libwebp_anim", "-compression_level", "6", "-loop", "0", "-f", "webp")
 FULL = "No space left"  # how ffmpeg reports it
 INSTALL = "pip install --force-reinstall imageio-ffmpeg, and unset IMAGEIO_FFMPEG_EXE"
