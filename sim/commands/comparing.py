@@ -22,6 +22,7 @@ from sim.runs.run import Run, read_run
 from sim.templates import render
 
 POSE = ("x", "y", "yaw")
+KEY = "arrows from feet: a change of that leg\nfrom the middle: of body, floor, servos"
 
 
 def compare(options: argparse.Namespace) -> None:
@@ -101,35 +102,35 @@ def rows(run: Run) -> list[dict[str, Any]]:
 
 
 def draw(run: Run, found: Sequence[Mapping[str, Any]], path: Path) -> None:
-    """Arrows from the feet, as the end moves by a unit of what is changed there."""
+    """Arrows from the feet, for the kinds of change there that move the end most."""
     from matplotlib.figure import Figure
 
     feet = run.contact_point[0] - run.achieved[0, :2]
-    longest = max(float(np.hypot(row["x"], row["y"])) for row in found) or 1.0
-    scale = 0.6 * float(np.abs(feet).max()) / longest
-    kinds = sorted({_kind(row) for row in found})
+    ways = [float(np.hypot(row["x"], row["y"])) for row in found]
+    scale = 0.6 * float(np.abs(feet).max()) / (max(ways) or 1.0)
+    ranked = [found[place] for place in np.argsort(ways)[::-1]]
+    colours = dict(zip(dict.fromkeys(map(_kind, ranked)), palette.RUNS, strict=False))
     figure = Figure(figsize=(8.5, 6.0), layout="constrained")
     axes = figure.add_subplot(aspect="equal")
     axes.plot(*feet.T, "o", color=palette.OUTLINE.hex)
-    for row in found:
+    for row in (row for row in ranked if _kind(row) in colours):
         leg = str(row["what"]).rpartition("leg ")[2]
         own = feet[run.legs.index(int(leg))] if leg.isdigit() else np.zeros(2)
         at = float(own[0]), float(own[1])
         tip = at[0] + scale * row["x"], at[1] + scale * row["y"]
-        colour = palette.group(kinds.index(_kind(row))).hex
-        axes.annotate("", tip, at, arrowprops={"arrowstyle": "->", "color": colour})
+        arrow = {"arrowstyle": "->", "color": colours[_kind(row)].hex}
+        axes.annotate("", tip, at, arrowprops=arrow)
         axes.plot(*tip, alpha=0)
-    for number, kind in enumerate(kinds):
-        axes.plot([], [], color=palette.group(number).hex, label=kind)
-    figure.legend(loc="outside right upper")
-    axes.set(xlabel="x [m], forward", ylabel="y [m], left")
-    axes.set_title(f"where the end moves, {scale:.3g} times as long")
+    for kind, colour in colours.items():
+        axes.plot([], [], color=colour.hex, label=kind)
+    figure.legend(loc="outside right upper", title=KEY)
+    title = f"How far the walk's end moves, drawn {scale:.3g} times as long"
+    axes.set(xlabel="x [m], forward", ylabel="y [m], left", title=title)
     figure.savefig(path, dpi=120)
 
 
 def _kind(row: Mapping[str, Any]) -> str:
-    what = str(row["what"]).partition(" of leg")[0]
-    return f"a {row['unit']}: {what}"
+    return f"1 {row['unit']}: {str(row['what']).partition(' of leg')[0]}"
 
 
 def figures(options: argparse.Namespace) -> None:

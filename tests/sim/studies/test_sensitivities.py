@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from models import MeasurementError
 from sim.commands import comparing
@@ -99,3 +100,17 @@ def test_the_command_gives_a_row_for_each(walked, tmp_path, monkeypatch, capsys)
     assert drawn.stat().st_size > 1000
     comparing.sensitivities(type("O", (options,), {"json": False}))
     assert "mm     length of leg 3" in capsys.readouterr().out
+
+
+def test_kinds_of_change_in_the_picture_differ_in_colour(walked, tmp_path, monkeypatch):
+    kinds = [f"kind {number}" for number in range(10)]
+    found = [
+        {"what": kind, "unit": "mm", "x": n, "y": 0} for n, kind in enumerate(kinds)
+    ]
+    drawn = []
+    monkeypatch.setattr(Figure, "savefig", lambda self, *_, **__: drawn.append(self))
+    comparing.draw(read_run(walked), found, tmp_path / "above.png")
+    (legend,) = drawn[0].legends
+    said = [text.get_text() for text in legend.get_texts()]
+    assert said == [f"1 mm: {kind}" for kind in kinds[:3:-1]]  # the farthest first
+    assert len({line.get_color() for line in legend.get_lines()}) == len(said)
