@@ -143,6 +143,7 @@ def _draw_robot(axes: Axes, name: str) -> list[tuple[Cell, ...]]:
     for pivot in dict.fromkeys(PIVOTS.values()) if name == "hexapod" else ():
         axes.plot(*np.multiply(MM, pivot), "x", color=NOMINAL, markersize=5)
     axes.plot(*(MM * stance.center_of_mass), "+", color=INK)
+    axes.margins(0.15)  # for the numbers
     return rows
 
 

@@ -106,8 +106,8 @@ def _draw_height(
     inner = MaxNLocator(nbins=4, steps=[1, 2, 5, 10]).tick_values(low, high)
     apart = ENDS * (high - low)  # of ticks, so that their numbers do not meet
     within = [t for t in inner if low + apart < t < high - apart]
-    ticks = [low, *within, high]
-    bar = axes.figure.colorbar(drawn, ax=axes, shrink=0.9, ticks=ticks, format="%.3g")
+    at = [low, *within, high]
+    bar = axes.figure.colorbar(drawn, ax=axes, shrink=0.9, ticks=at, format="{x:.3g}")
     bar.set_label(f"[{unit}/rad$^2$]")
     bar.ax.tick_params(labelsize=6)
     axes.set(xlabel=r"$\varphi_1$  [rad]", ylabel=r"$\varphi_2$  [rad]")
