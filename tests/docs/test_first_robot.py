@@ -56,7 +56,7 @@ def test_calibrating_prints_what_is_shown(tmp_path, monkeypatch, capsys):
 
 @pytest.mark.full
 @pytest.mark.physics
-@pytest.mark.usefixtures("told")
+@pytest.mark.usefixtures("told", "paged")
 def test_the_whole_way_is_walked_as_shown(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("sim.commands.calibrate.draw", lambda *_, **__: None)
