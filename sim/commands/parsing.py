@@ -63,7 +63,8 @@ class Parser(argparse.ArgumentParser):
         called = GUESSES["choices"].get(word, word)
         taken = {"robot": shipped_robots(), "set": [word] * ("=" in word)}
         for action in self._actions:
-            if called in map(str, action.choices or taken.get(action.dest, ())):
+            choices = action.choices or taken.get(action.dest, ())
+            if action.option_strings and called in map(str, choices):
                 meant = f"write {action.option_strings[-1]} {called}"
                 raise UsageError(f"{word!r} stands alone", self.prog, meant)
         remedy = self.epilog or f"see {self.prog} --help"
