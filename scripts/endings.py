@@ -25,7 +25,7 @@ from typing import IO, NoReturn
 ROOT = Path(__file__).resolve().parents[1]
 CODES = {0, 2, 3, 4, 6, 7, 8}  # that an input alone may lead to
 PROGRESS = re.compile(r"[^:]+, (about \d+ s left|\d+ s so far)")  # of long work
-HINTS = ("stratawalk: notice: ", "stratawalk: warning: ")
+HINTS = tuple(f"stratawalk: {kind}: " for kind in ("notice", "warning", "driven"))
 SLICE = 0.5  # [s] of waiting; a stop of all processes counts as one
 FORK = multiprocessing.get_context("fork")
 

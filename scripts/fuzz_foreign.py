@@ -23,36 +23,15 @@ from pathlib import Path
 import numpy as np
 
 from scripts.adoptees import ADOPTEES
-from scripts.endings import ending
-from scripts.fuzz_inputs import NASTY, mutated, write
-from scripts.torture import TEXTS
+from scripts.endings import ROOT, ending
+from scripts.fuzz_inputs import NASTY, TEXTS, mutated, write
+from scripts.torture import TEXTS as SMALL
 
 RUN = "run line --segments 1 --set path.goal=[0.005,0,0] --no-video"
 SWEPT = "sweep mine.toml --workers 1"
 MAKING = 600.0  # [s] that these may take
-SWEEP = """scenario = "line"
-without = ["identified", "creep_floor"]
-[set]
-path.goal = [0.004, 0.0, 0.0]
-[grid]
-friction = [0.5, 0.8]
-stance = ["centred", "paper"]
-[sobol]
-samples = 4
-slope = { from = [0.0, 0.0], to = [0.1, 3.0] }
-[keep]
-points = [1]
-"""
-SMALL = f"""{TEXTS["sweep"]}[grid]
-friction = [0.5, 1.0]
-stance = ["centred", "paper"]
-"""
-OBJ = "v 0 0 0\nv .1 0 0\nv 0 .1 0\nv 0 0 .1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
-SHAPE = (
-    '<asset><mesh name="part" file="part.{}"/></asset><worldbody>'
-    '<geom type="mesh" mesh="part" pos="0 0 1" contype="0" conaffinity="0"/>'
-)
-SERVO = "- {{name: {}, id: {}, ticks: 1024, center: 512, max_radians: 5.236}}\n"
+BODY = ("body.x", "body.y", "body.yaw", "body.x.error", "contact.1")
+DRIVEN = "line --segments 2 --set path.goal=[0.005,0,0] --pace 0 --poses mine.csv"
 SCRATCH = tempfile.TemporaryDirectory(prefix="fuzz-")
 SIZES = (0, 1, 2, 7, 10**5, 2**31, 2**63 - 1)
 
@@ -78,9 +57,10 @@ def mesh(folder: Path, rng: random.Random) -> list[str]:
     """A mesh of a robot to adopt, as text or in binary."""
     kind = rng.choice(("obj", "stl"))
     path = ADOPTEES[0].write(folder)
-    path.write_text(path.read_text().replace("<worldbody>", SHAPE.format(kind), 1))
+    shape = TEXTS["shape"].format(kind)
+    path.write_text(path.read_text().replace("<worldbody>", shape, 1))
     (folder / f"part.{kind}").write_bytes(
-        mutated(OBJ, rng).encode(errors="surrogateescape")
+        mutated(TEXTS["obj"], rng).encode(errors="surrogateescape")
         if kind == "obj"
         else flipped(_stl(), rng)
     )
@@ -89,7 +69,7 @@ def mesh(folder: Path, rng: random.Random) -> list[str]:
 
 def sweep(folder: Path, rng: random.Random) -> list[str]:
     """The file of a sweep, which is read as far as its folder, which exists."""
-    write(folder / "mine.toml", mutated(SWEEP, rng))
+    write(folder / "mine.toml", mutated(TEXTS["sweep"], rng))
     return ["sweep", "mine.toml", "--out", "."]
 
 
@@ -117,10 +97,49 @@ def table(folder: Path, rng: random.Random) -> list[str]:
 def servos(folder: Path, rng: random.Random) -> list[str]:
     """A table of servos that a walk is exported for."""
     card = import_module("models").load("hexapod").card
-    text = "".join(SERVO.format(name, n) for n, name in enumerate(card.joints))
+    text = "".join(TEXTS["servo"].format(name, n) for n, name in enumerate(card.joints))
     write(folder / "servos.yaml", mutated(text, rng))
     words = ("--format", "dynamixel", "--no-play", "--out", "walk")
     return ["export", str(_made(RUN)), *words, "--servo-table", "servos.yaml"]
+
+
+def log(folder: Path, rng: random.Random) -> list[str]:
+    """A gait or a robot's log, to play or to fit servos to."""
+    text = ROOT.joinpath("examples", "tripods.csv").read_text()
+    head, *rows = [line.split(",") for line in text.splitlines()[: rng.randint(9, 30)]]
+    if measured := rng.random() < 0.7:
+        head += [f"measured.{name}" for name in head[1:]]
+        rows = [[*row, *row[1:]] for row in rows]
+    if posed := rng.random() < 0.5:
+        head += BODY
+        rows = [[*row, f"{n / 999}", "0", "", "nan", "1"] for n, row in enumerate(rows)]
+    text = "".join(",".join(row) + "\n" for row in (head, *rows))
+    write(folder / "mine.csv", mutated(text, rng))
+    if (measured or posed) and rng.random() < 0.5:
+        return ["fit", "hexapod", "mine.csv", "--out", "found.toml"]
+    units = rng.choice(("radians", "radians", "degrees"))
+    return ["play", "hexapod", "mine.csv", "--no-video", "--units", units]
+
+
+def poses(folder: Path, rng: random.Random) -> list[str]:
+    """Poses of a path to plan, or those that a driven robot sends."""
+    if along := rng.random() < 0.5:
+        text = "x,y,yaw\n" + "".join(f"{n / 99},{n / 999},0.0\n" for n in range(9))
+        (folder / "mine.toml").write_text(TEXTS["along"])
+    else:
+        text = "\n".join(TEXTS["pose"].format(n / 9, n / 999) for n in range(20))
+    write(folder / "mine.csv", mutated(text, rng))
+    return ["plan", "mine.toml"] if along else ["drive", *DRIVEN.split()]
+
+
+def answers(folder: Path, rng: random.Random) -> list[str]:
+    """What is answered while servos are found, whose pictures are drawn already."""
+    joints = import_module("models").load("hexapod-classroom").card.joints
+    text = "25\n" + "".join(map(TEXTS["answer"].format, joints))
+    write(folder / "told", mutated(text, rng))
+    (folder / "calibration").mkdir()
+    (folder / "calibration" / "index.html").touch()
+    return ["calibrate", "hexapod-classroom", "--answers", "told"]
 
 
 def run_folder(folder: Path, rng: random.Random) -> list[str]:
@@ -162,18 +181,16 @@ FILES = (
 )
 READERS = (
     *(["show", "--no-browser"], ["compare", "mine"], ["cite"], ["sensitivities"]),
+    *(["view", "--replay", "--no-browser"], ["fit"]),
     ["export", "--format", "csv", "--no-play", "--out", "walk.csv"],
 )
 FOREIGN: dict[str, Callable[[Path, random.Random], list[str] | str]] = {
     "adopt-mjcf": partial(adopted, urdf=False),
     "adopt-urdf": partial(adopted, urdf=True),
     "adopt-mesh": mesh,
-    "sweep": sweep,
-    "ledger": ledger,
-    "table": table,
-    "servos": servos,
     "run": run_folder,
     "viewer": viewer,
+    **{k.__name__: k for k in (sweep, ledger, table, servos, log, poses, answers)},
 }
 
 
@@ -193,7 +210,7 @@ def _said(rng: random.Random, kind: int) -> bytes:
 def _made(command: str) -> Path:
     """The folder `made` of what a command has done."""
     folder = Path(tempfile.mkdtemp(dir=SCRATCH.name))
-    (folder / "mine.toml").write_text(SMALL)
+    (folder / "mine.toml").write_text(SMALL["sweep"] + TEXTS["small"])
     words = [*command.split(), "--out", "made"]
     end = ending(lambda: int(import_module("sim.cli").main(words)), folder, MAKING)
     if end.code:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import random
 import re
 import tempfile
+import tomllib
 from collections.abc import Callable
 from functools import cache, partial
 from pathlib import Path
@@ -22,26 +23,8 @@ NASTY = (
     *("1e6", "0.5", "2", "7", "1e-9", "true", "''", '"x"', "[]", "{}", "[[]]", "[1]"),
     *(str(2**63), "9" * 400, "1" * 5000, "[" * 300, "\x00", "\udcff", "ö"),
 )
-SYSTEM = """state = ["x", "y", "theta"]
-goal = { y = 1 }
-segments = 4
-[parameters]
-r = 0.5
-[limits]
-[strata.0]
-roll = { x = "r*cos(theta)", y = "r*sin(theta)" }
-turn = { theta = 1 }
-"""
+TEXTS = tomllib.loads((ROOT / "scripts" / "fuzz.toml").read_text())
 FORMULAS = ("Abs(x)", "sign(y)", "sqrt(x)", "1/x", "x**y", "log(x)", "atan2(y, x)")
-OPTIONS = (
-    *("--segments", "--fields", "--steer", "--robot", "--set", "--replan", "--json"),
-    *("--goal", "--start", "--elements", "--flows", "--gait", "--at", "--depth"),
-)
-WORDS = (
-    *("line", "ellipse", "biped", "car", "hexapod", "quadruped", "lifted", "paper"),
-    *("12", "S1", "quasi-static", "x=1", "y=nan", "=", "x=", "friction=0", "hold=1e-9"),
-    *("path.goal=[0,0,0]", "path.kind=ellipse", "steer=1", "name=../x", "", "-1", "."),
-)
 
 
 def mutated(text: str, rng: random.Random) -> str:
@@ -120,7 +103,7 @@ def robot(folder: Path, rng: random.Random, spoilt: str) -> list[str]:
 
 def system(folder: Path, rng: random.Random) -> list[str]:
     """A mutated system."""
-    write(folder / "mine.toml", mutated(SYSTEM, rng))
+    write(folder / "mine.toml", mutated(TEXTS["system"], rng))
     return [rng.choice(("check", "plan")), "mine.toml"]
 
 
@@ -131,7 +114,7 @@ def _plan() -> str:
 
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "system.toml")
-        path.write_text(SYSTEM)
+        path.write_text(TEXTS["system"])
         problem = load_system(path)
         made = plan(problem.system, problem.path, 2, ["roll", "turn", "[roll,turn]"])
         save_plan(made, path.with_suffix(".json"))
@@ -146,8 +129,7 @@ def archive(folder: Path, rng: random.Random) -> list[str]:
 
 def options(folder: Path, rng: random.Random) -> list[str]:
     """Words in any order."""
-    count = rng.randint(0, 4)
-    words = [rng.choice(OPTIONS + WORDS + WORDS) for _ in range(count)]
+    words = rng.choices(TEXTS["options"] + 2 * TEXTS["words"], k=rng.randint(0, 4))
     return [rng.choice(("plan", "check", "robots", "scenarios")), *words]
 
 

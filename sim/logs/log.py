@@ -188,6 +188,7 @@ def _log(
     contacts = {leg: f"{CONTACT}{leg}" for leg in legs}
     known = (*joints, *(MEASURED + j for j in joints), *chain(*BODY.values()))
     require_joints([*columns], [*known, *contacts.values()])
+    columns = {k: v for k, v in columns.items() if k in joints or np.isfinite(v).any()}
     commanded = tuple(name for name in columns if name in joints)
     if not commanded:
         raise ValueError(f"no column of a joint; give one of {', '.join(joints)}")

@@ -91,6 +91,7 @@ def test_what_was_done_to_a_log_is_said(read):
         ("time,body.x\n0,0\n1,1\n", "no column of a joint: .*; give one of hip_1"),
         ("time,hip_1,hip_1\n0,0,0\n1,1,1\n", "column 'hip_1' comes twice"),
         ("time,hip_1,body.x\n0,0,0\n1,1,1\n", "only one of body.x and body.y"),
+        ("time,hip_1,body.x,body.y\n0,0,0,\n1,1,1,\n", "only one of body.x and"),
     ],
 )
 def test_what_is_no_log_is_refused_in_one_line(read, text, words):
