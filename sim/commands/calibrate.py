@@ -121,7 +121,7 @@ def _calibrated(
     with keeping(kept):
         if len(known) < number:
             tool, page = (folder.path / n for n in (SKETCH if pulse else SCRIPT, PAGE))
-            print(f"start {tool} and open {page}; Ctrl-C keeps what is told")
+            print(f"start {tool} and open {page}; Ctrl-C keeps all answers")
         if pulse and not known and clock is None:
             clock = _clock(ask)
         for joint, servo in _found(robot, kind, known, clock, ask):

@@ -92,7 +92,8 @@ def _collided(walk: Walk) -> Found:
 def _missed(weighed: Weighed) -> Found:
     if weighed.goal is None or weighed.goal <= TOLERATED:
         return None
-    return "missed", f"missed its goal by {100 * weighed.goal:.1f} % of the path"
+    share = f"{100 * weighed.goal:.1f} % of the path, yaw included"
+    return "missed", f"missed its goal by {share}"
 
 
 def _drifted(evidence: Evidence, judged: Array) -> Found:

@@ -117,7 +117,7 @@ def strokes(robot: Robot, rate: float) -> tuple[ServoCommands, dict[str, str]]:
         f"to {2 * each:.0f} s": "every foot rises and comes down; one that pushes "
         "has a wrong sign",
         f"to {len(moves) * each:.0f} s": "feet rise in the order of their legs and "
-        "come down on their rings, which are a degree wide",
+        "come down on their rings, whose radius is a degree of swing",
     }
     return ServoCommands(tuple(joints), rate, angles), told
 
@@ -177,10 +177,7 @@ def _carried(model: mujoco.MjModel, body: int) -> Array:
 
 
 def sheet(robot: Robot, path: Path) -> None:
-    """A sheet to print at its own size: where feet stand, and how swing horns point.
-
-    A ring is as wide as a degree of the swing joint moves the foot.
-    """
+    """A sheet in true size: feet in rings of a degree of swing, bearings of horns."""
     kinematics, legs = Kinematics(robot), []
     feet = kinematics.standing.feet
     for (leg, card), foot in zip(robot.card.legs.items(), feet, strict=True):
