@@ -7,6 +7,7 @@ the same way as later.
 from __future__ import annotations
 
 import atexit
+import gc
 import os
 import signal
 import sys
@@ -14,6 +15,8 @@ import warnings
 from typing import NoReturn
 
 from sim.endings import ENDS, again, begin, heeded
+
+GARBAGE = 50_000  # objects between searches for garbage; most of them last
 
 
 def main() -> int:
@@ -23,6 +26,7 @@ def main() -> int:
         signal.signal(number, _end_early)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDS)  # they waited for this
     _prepare_streams()
+    gc.set_threshold(GARBAGE)
     if not sys.warnoptions:
         warnings.simplefilter("ignore")  # libraries' hints to programmers
         os.environ["PYTHONWARNINGS"] = "ignore"  # in processes that are begun, too

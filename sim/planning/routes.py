@@ -94,6 +94,7 @@ class _Search:
         self._area = around.area
         self._body = around.outline.solids.swept(qpos).buffer(least + room)
         self._near = self._area.buffer(self.radius + least + room)
+        self._west, self._south, self._east, self._north = self._near.bounds
         shapely.prepare(self._body)
         shapely.prepare(self._near)
 
@@ -149,6 +150,8 @@ class _Search:
     def is_free(self, x: float, y: float, yaw: float) -> bool:
         """Whether the robot keeps its distance when it stands there."""
         tick()
+        if not (self._west <= x <= self._east and self._south <= y <= self._north):
+            return True
         if not shapely.intersects_xy(self._near, x, y):
             return True
         cos, sin = math.cos(yaw), math.sin(yaw)
