@@ -102,7 +102,19 @@ def test_saturated_segments_are_told_when_there_are_any(summary):
 
 def test_lines_fit_a_terminal_of_a_hundred_columns(summary):
     summary["achieved"]["slip"] = 99.0
-    assert max(map(len, describe(summary).splitlines())) <= 100
+    for stance in ("centred", "paper"):
+        summary["stance"] = stance
+        assert max(map(len, describe(summary).splitlines())) <= 100
+
+
+def test_an_optimised_plan_is_not_said_to_be_one_of_the_ideal_fields(summary):
+    assert "steered by the ideal prediction\n" in describe(summary)
+    summary["optimise"] = "time"
+    said = describe(summary)
+    assert "steered by the quasi-static prediction, optimised for time\n" in said
+    assert "as the optimised plan says" in said
+    summary["fallback"] = "no shorter plan was found"
+    assert "steered by the ideal prediction" in describe(summary)
 
 
 class Terminal(io.StringIO):
