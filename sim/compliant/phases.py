@@ -21,7 +21,7 @@ from sim.compliant.anatomy import Robots
 from sim.compliant.increment import LOADED, Mechanics
 from sim.compliant.march import SLACK, Commands, Track, march
 from sim.motion.poses import compose, relative
-from sim.motion.prediction import carrying, stability_margin
+from sim.motion.stability import carrying, stability_margin
 
 REMEMBERED = 2.0  # [s] that feet remember; 1.5 is as good, 0.3 is not
 ALIKE = 1e-5  # [rad]; commands closer than this do the same

@@ -19,7 +19,7 @@ from sim.figures.physics import Walked
 from sim.figures.sheet import Cell, Shown
 from sim.figures.stability import STANCE, draw_body
 from sim.figures.style import INK, LEGS, MM, NOMINAL, STYLE, TRIPODS
-from sim.motion.prediction import support_polygons
+from sim.motion.stability import support_polygons
 from sim.palette import Style
 from sim.pictures.ghost import body_corners
 from sim.preparation.setup import Setup

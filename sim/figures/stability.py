@@ -15,7 +15,7 @@ from sim import palette
 from sim.figures.physics import Job, Walked
 from sim.figures.sheet import Cell, Shown, rows_of
 from sim.figures.style import IDEAL, INK, MM, NOMINAL, TRIPODS
-from sim.motion.prediction import stability_margin, support_polygons
+from sim.motion.stability import stability_margin, support_polygons
 from sim.palette import Style
 
 # The proportions of `hexapod-parallel`, in leg lengths: the paper gives none.

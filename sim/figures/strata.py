@@ -23,7 +23,7 @@ from sim import palette
 from sim.figures.physics import Walked
 from sim.figures.sheet import Cell, Shown
 from sim.figures.style import INK, MM, NOMINAL, STRATA
-from sim.motion.prediction import margin_at_rest
+from sim.motion.stability import margin_at_rest
 from sim.palette import Style
 
 ABSENT = palette.OUTLINE.hex  # sets of feet that are no strata

@@ -19,8 +19,9 @@ from planner import Array
 from sim.logs.feet import Posture, moved, posture
 from sim.logs.log import Log
 from sim.motion.poses import wrap
-from sim.motion.prediction import Commanded, Prediction, stability_margin
+from sim.motion.prediction import Commanded, Prediction
 from sim.motion.schedule import Kind, LegState, MotionLimits, Phase, Schedule
+from sim.motion.stability import stability_margin
 from sim.scenarios.file import scenario_from
 from sim.scenarios.scenario import Scenario
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import mujoco
 import numpy as np
@@ -19,8 +20,10 @@ import shapely
 from models import ModelError, Robot
 from models.contact import covering_core
 from planner import Array
-from sim.preparation.setup import Setup
 from sim.scenarios.obstacles import Obstacle
+
+if TYPE_CHECKING:  # films need none of what it loads
+    from sim.preparation.setup import Setup
 
 
 @dataclass(frozen=True)

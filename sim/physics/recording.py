@@ -17,7 +17,7 @@ import numpy as np
 
 from models import Robot
 from planner import Array
-from sim.motion.prediction import LeastMargin, carrying
+from sim.motion.stability import LeastMargin, carrying
 from sim.physics.engine import Engine, State
 from sim.physics.measure import (
     BOUNCE,

@@ -16,7 +16,7 @@ from models.description import root_body
 from planner import Array
 from sim import palette
 from sim.motion.poses import spaced_rows
-from sim.motion.prediction import support_polygons
+from sim.motion.stability import support_polygons
 from sim.obstacles.clearance import Solids
 from sim.palette import NOMINAL, THOUGHT, PathMark
 from sim.pictures.camera import Camera

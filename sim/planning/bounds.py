@@ -27,7 +27,8 @@ from planner import (
 from planner.planning import Slack, Step, grid
 from planner.support import point, tick
 from sim.experiments.identification import twist_model
-from sim.motion.prediction import Predictor, inspections, stability_margin
+from sim.motion.prediction import Predictor, inspections
+from sim.motion.stability import stability_margin
 from sim.obstacles.clearance import Surroundings, surroundings
 from sim.planning.open_loop import (
     joined_plans,

@@ -15,8 +15,9 @@ import numpy as np
 from planner import Array, Flow, Plan
 from planner.support import tick, unlimited
 from sim.errors import SimulationError
-from sim.motion.prediction import inspections, stability_margin
+from sim.motion.prediction import inspections
 from sim.motion.schedule import LegState, Schedule
+from sim.motion.stability import stability_margin
 from sim.preparation.scheduling import scheduled
 from sim.preparation.setup import Setup
 

@@ -22,7 +22,7 @@ from models import (
     mobility_of,
 )
 from models.adoption import servo_for
-from sim.motion.prediction import margin_at_rest
+from sim.motion.stability import margin_at_rest
 from sim.physics.standing import check_standing
 from sim.preparation.reach import immobile, lift_angle
 from sim.preparation.setup import Setup

@@ -12,7 +12,7 @@ import shapely
 from planner import Array
 from sim import palette
 from sim.motion.poses import length_up_to
-from sim.motion.prediction import support_polygons
+from sim.motion.stability import support_polygons
 from sim.palette import EDGE, FOOTPRINT, GOAL, NOMINAL, SPOT, Colour
 from sim.pictures.ghost import Ghost, decor
 from sim.runs.run import Run

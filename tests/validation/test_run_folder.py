@@ -17,7 +17,7 @@ from sim import simulation
 from sim.errors import SimulationError
 from sim.folder import RunFolder
 from sim.motion.poses import rotate
-from sim.motion.prediction import stability_margin
+from sim.motion.stability import stability_margin
 from sim.run_folder import run
 from sim.scenarios.file import load_scenario
 from tests.walks import COSTLY

@@ -7,7 +7,7 @@ import shapely
 from models.contact.kinematics import Kinematics
 from models.contact.loads import PaperStance
 from models.library import load
-from sim.motion.prediction import stability_margin, support_polygons
+from sim.motion.stability import stability_margin, support_polygons
 
 STANCE = PaperStance(body_length=0.3, leg_length=0.105, half_width=0.045)
 ROUNDING = 1e-12

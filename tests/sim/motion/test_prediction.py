@@ -12,8 +12,9 @@ from models.motion.twists import IdealTwists, QuasiStaticTwists
 from planner.systems.flows import Flow
 from sim.experiments.identification import twist_model
 from sim.motion import prediction
-from sim.motion.prediction import Predictor, stability_margin
+from sim.motion.prediction import Predictor
 from sim.motion.schedule import LegState, MotionLimits, Scheduler
+from sim.motion.stability import stability_margin
 from sim.preparation.setup import prepare
 from sim.scenarios.file import load_scenario
 

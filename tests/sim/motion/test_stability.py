@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from sim.motion.prediction import LeastMargin, stability_margin
+from sim.motion.stability import LeastMargin, stability_margin
 
 TRIPOD = np.array([(0.15, 0.18), (0.0, -0.12), (-0.15, 0.18)])
 

@@ -9,7 +9,8 @@ from planner.errors import BoundError, BudgetError
 from planner.support.stopping import limited
 from sim.errors import UsageError
 from sim.motion.poses import path_deviation
-from sim.motion.prediction import inspections, stability_margin
+from sim.motion.prediction import inspections
+from sim.motion.stability import stability_margin
 from sim.optimisation.judging import Judge, margins
 from sim.planning.open_loop import plan_open_loop
 from sim.planning.soundness import require_sound
