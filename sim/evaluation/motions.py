@@ -14,8 +14,8 @@ from sim.compliant.prediction import CompliantPrediction, foreseen
 from sim.logs.alignment import Measured, measured
 from sim.logs.playing import Played, rigid
 from sim.motion.poses import rotate, seen_from, wrap
-from sim.motion.prediction import BLOCK, Commanded, Prediction, Predictor, commanded
-from sim.motion.stability import carrying, stability_margin
+from sim.motion.prediction import Commanded, Prediction, Predictor, commanded
+from sim.motion.stability import BLOCK, carrying, stability_margin
 from sim.obstacles.clearance import surroundings
 from sim.physics.recording import Moments
 from sim.scenarios.predictions import COMPLIANT

@@ -255,10 +255,9 @@ class ClearanceBound:
         for stratum, raised in setup.raised.items():
             qpos = self.surroundings.postures(poses, raised)
             clearance = self.surroundings.clearances(qpos).least
-            worst = int(clearance.argmin())
-            if clearance[worst] <= self.least:
-                found = poses[worst], qpos[worst], float(clearance[worst])
-                raise self._refusal(stratum, *found)
+            at = int(clearance.argmin())
+            if clearance[at] <= self.least:
+                raise self._refusal(stratum, poses[at], qpos[at], clearance[at])
             least = np.minimum(least, clearance)
         return least.reshape(-1, samples).min(axis=1)
 

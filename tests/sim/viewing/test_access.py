@@ -5,7 +5,6 @@ import signal
 import socket
 import subprocess
 import sys
-import threading
 import time
 from dataclasses import dataclass
 from http.client import HTTPConnection
@@ -277,12 +276,13 @@ def test_the_inner_socket_is_for_this_process_alone():
         listener.listen()
         listener.settimeout(20)
         place = listener.getsockname()
-        script = f"import socket; print(socket.create_connection({place}).recv(1))"
+        script = (
+            f"import socket; link = socket.create_connection({place})\n"
+            "print(flush=True); print(link.recv(1))"
+        )
         other = subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE)
-        own = socket.socket()
-        threading.Timer(2.0, own.connect, [place]).start()
-        taken, _ = listener.accept()
-        with own, taken:
+        other.stdout.readline()  # it is the first in the line
+        with socket.create_connection(place) as own, listener.accept()[0] as taken:
             assert other.communicate(timeout=20)[0].strip() == b"b''"  # hung up on
             taken.sendall(b"x")
             assert own.recv(1) == b"x"
