@@ -11,9 +11,11 @@ from pathlib import Path
 
 import pytest
 
+from models.description import inspection
 from scripts import fuzz
 from scripts.endings import Bounds, Ending, ending, other
 from scripts.fuzz import KINDS, answer, decided, fault, main
+from tests.commands import FORKS
 
 pytestmark = pytest.mark.usefixtures("alone")  # limits of time and memory are at work
 ROOT = Path(__file__).resolve().parents[2]
@@ -30,12 +32,23 @@ BRIEF, LONG = 2, 30  # [s], for all kinds of input together and for each by itse
 def test_no_mutated_input_breaks_the_command(kinds, seconds, tmp_path):
     """Cases are forked, for which the process that searches must have no threads."""
     words = ["--seconds", f"{seconds}", "--keep", f"{tmp_path}", "--patience", "240"]
-    command = [sys.executable, "-m", "scripts.fuzz", *words, "--kinds", *kinds]
-    env = os.environ | {"PYTHONPATH": f"{ROOT}"}
-    done = subprocess.run(command, cwd=tmp_path, env=env, stdout=subprocess.PIPE)
-    said = done.stdout.decode()
-    assert done.returncode == 0, said
+    printed = tmp_path / "printed"
+    searching = FORKS.Process(
+        target=search, args=([*words, "--kinds", *kinds], printed)
+    )
+    searching.start()
+    searching.join()
+    said = printed.read_text()
+    assert searching.exitcode == 0, said
     assert re.search(r"^[1-9]\d* cases, 0 faults", said, re.MULTILINE)
+
+
+def search(words, printed):
+    """Be the script, in a process that has loaded all libraries."""
+    inspection.subprocess = subprocess
+    sys.argv = ["fuzz", *words]
+    with printed.open("w") as sys.stdout:
+        sys.exit(main())
 
 
 def test_the_search_counts_and_keeps_what_fails(tmp_path, monkeypatch, capsys):

@@ -19,8 +19,8 @@ from sim.errors import exit_code, one_line
 from sim.scenarios.file import load_scenario, shipped_scenarios
 from tests.commands import COMMAND, OUTSIDE, refusal, told
 
-SHORT = ("run", "line", "--segments", "2", "--set", "path.goal=[0.01, 0.01, 0]")
-"""A walk of two segments and a few seconds."""
+SHORT = ("run", "line", "--segments", "1", "--set", "path.goal=[0.005, 0.005, 0]")
+"""A walk of one segment and a few seconds."""
 QUICK = (*SHORT, "--set", 'predictions=["quasi_static"]')
 """The same without the predictions that take longer than it."""
 
