@@ -115,7 +115,7 @@ def _in_folder(folder: Path) -> Path:
     """The MJCF of a folder that has a free joint; scenes only include one."""
     files = sorted(folder.glob("*.xml"), key=lambda f: ("scene" in f.stem, f.name))
     for path in files:
-        if path.is_file() and FREE.search(path.read_text("utf-8", "replace")):
+        if path.is_file() and FREE.search(read_file(path).decode(errors="replace")):
             return path
     raise UnknownRobotError(
         f"no robot in {folder}: none of its {len(files)} MJCF files has a free joint; "
@@ -134,15 +134,15 @@ def _in_package(folder: Path, name: re.Match[str]) -> str:
 
 def _from_urdf(path: Path, text: str) -> str:
     """MJCF of a URDF whose base floats, its parts named."""
-    links = re.findall(r"<link\s+name=\"([^\"]+)\"", text)
-    children = set(re.findall(r"<child\s+link=\"([^\"]+)\"", text))
+    links = re.findall(r"<link\s+name=[\"']([^\"']+)", text)
+    children = set(re.findall(r"<child\s+link=[\"']([^\"']+)", text))
     bases = [link for link in links if link not in children]
-    if not bases or "</robot>" not in text:
+    if not bases or "</robot" not in text:
         raise ModelError(
             f"not a usable URDF file: {path}; it has {len(bases)} links that are no "
             "child of a joint, where a robot has one"
         )
-    joined = text.replace("</robot>", FLOATING.format(base=bases[0]) + "</robot>")
+    joined = text.replace("</robot", FLOATING.format(base=bases[0]) + "</robot")
     with one_line(f"not a usable URDF file: {path}"):
         spec = mujoco.MjSpec.from_string(joined)
         own, spec.meshdir = spec.meshdir, str(path.parent / spec.meshdir)

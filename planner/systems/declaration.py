@@ -117,8 +117,9 @@ def _expression(what: str, value: Written, state: Symbols) -> sp.Expr:
             f"({', '.join(map(str, state))})"
         )
     for part in parts:
-        if part.is_number and not _is_real(part):
-            raise ValueError(f"{what} has {part}, no real number below {HUGE:.0e}")
+        odd = part.is_Pow and not part.exp.is_integer and part.base.is_negative
+        if odd or (part.is_number and not _is_real(part)):
+            raise ValueError(f"{what} has {part!s}, no real number below {HUGE:.0e}")
     return expression
 
 

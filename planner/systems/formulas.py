@@ -20,6 +20,7 @@ OPERATORS: Mapping[type, Callable[..., sp.Expr]] = {
     ast.Div: operator.truediv, ast.USub: operator.neg, ast.UAdd: operator.pos,
     ast.Pow: lambda base, exponent: _power(base, exponent),
 }  # fmt: skip
+UNREADABLE = SyntaxError, TypeError, ArithmeticError, RecursionError, MemoryError
 LONGEST_FORMULA = 10_000  # characters of one formula
 MOST_BITS = 1024  # of an integer, or of the parts of a fraction
 QUOTED = 60  # characters of a formula in a message
@@ -46,7 +47,7 @@ def read_formula(
     known = {str(s): s for s in names} | numbers | dict(CONSTANTS)
     try:
         return _expression(ast.parse(text.strip(), mode="eval").body, known, text)
-    except (SyntaxError, TypeError, RecursionError, MemoryError) as error:
+    except UNREADABLE as error:
         raise ValueError(f"formula {_short(text)} cannot be read: {error}") from None
 
 

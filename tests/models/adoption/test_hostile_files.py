@@ -66,6 +66,22 @@ def test_a_path_that_the_compiler_cuts_off_leads_nowhere(urdf):
         source_of(str(urdf("../out/m.obj", strip="true")))
 
 
+def test_a_urdf_may_be_written_in_any_way_that_xml_is(urdf):
+    path = urdf("near.obj")
+    text = path.read_text()
+    path.write_text(text.replace('"', "'").replace("</robot>", "</robot\n>"))
+    own = source_of(str(path)).text
+    path.write_text(text)
+    assert own == source_of(str(path)).text
+
+
+def test_a_folder_is_not_searched_beyond_what_is_read(tmp_path):
+    with (tmp_path / "a.xml").open("w") as file:
+        file.truncate(10**12)
+    with pytest.raises(OSError, match="larger than 10 MB"):
+        source_of(str(tmp_path))
+
+
 def test_a_mesh_that_no_link_has_is_refused(urdf):
     path = urdf("gone.obj")
     path.write_text('<robot name="r"><mesh filename="gone.obj"/></robot>')

@@ -151,6 +151,7 @@ def test_formulas_mean_what_they_say():
         ("x +", "cannot be read"),
         ("sin(x, x)", "cannot be read: sin takes exactly 1 argument"),
         ("9**9**9**9", "too large a number"),
+        ("exp(exp(exp(1000.0)))", "cannot be read: too many digits in integer"),
         ("(9**100)**100", "too large a number"),
         ("(1/3)**99999999999", "1/3' to the power 99999999999 is too large a number"),
         ("(2*x)**99999999999", "too large a number"),
