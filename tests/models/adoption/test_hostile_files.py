@@ -134,7 +134,7 @@ def test_an_include_of_a_urdf_is_looked_at_too(urdf, mesh, other, said):
 
 
 @pytest.mark.full
-def test_a_urdf_that_grows_without_end_is_refused_in_time(urdf):
+def test_a_urdf_that_grows_without_end_is_refused_in_time(urdf, alone):
     count = 70_000  # 8 MB; 10 MB are the most that is read
     links = "".join(f'<link name="l{i}"/>' for i in range(count))
     joints = "".join(
