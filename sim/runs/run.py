@@ -180,7 +180,7 @@ class Run:
     def path_labels(self) -> tuple[str, str]:
         """What that path and its end are called; a played motion has no goal."""
         played = "motion" in self.settings
-        return ("predicted way", "its end") if played else ("nominal path", "goal")
+        return ("predicted path", "its end") if played else ("nominal path", "goal")
 
     @cached_property
     def thought(self) -> tuple[Array, ...]:

@@ -191,12 +191,12 @@ def test_report_and_viewer_show_a_played_motion_beside_the_real_robot(
     assert "Roll of the body [mrad]" in (drawing.heading for drawing in panels(run))
     shown = {label for label, _ in entries(run)}
     assert {"measured path", "compliant prediction", "achieved path"} <= shown
-    assert {"predicted way", "its end"} <= shown
+    assert {"predicted path", "its end"} <= shown
     assert not {"nominal path", "goal"} & shown
     *_, last = overlaid([("one", run), ("other", run)])
     assert last.heading == "Distance from the measured body [mm]"
     page = (tmp_path / "run" / "report.html").read_text()
-    assert "predicted way" in page
+    assert "predicted path" in page
     assert not any(word in page for word in ("control sequence", "ring is the goal"))
     drawn = {tuple((255 * g.rgba[:3]).round()) for g in Marks(run, run.model).at(9)}
     for mark in ("measured", "compliant"):
