@@ -115,7 +115,7 @@ def card_text(
         f"lift_angle = {drafted_lift(pose, limbs):.4g}",
         f"lift_time = {LIFT_TIME:g}",
         "",
-        "[start]  # joint angles in which it stands [rad]",
+        "[start]  # joint angles at which the robot stands [rad]",
         *(f"{toml_key(joint)} = {angle:.9g}" for joint, angle in angles.items()),
     ]
     for number, limb in enumerate(limbs, start=1):

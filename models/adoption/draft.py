@@ -90,7 +90,7 @@ def draft_card(source: Source) -> Draft:
     if not stands(pose, limbs):
         angles = standing_angles(pose, limbs, name)
         pose.turn(angles)
-        guesses.append("its feet are not on one floor as it is given: knees were bent")
+        guesses.append("the file puts the feet at different heights: knees were bent")
     limbs = _numbered(find_limbs(pose, name))
     way = _gait(pose, limbs, name)
     gait = rowing(limbs, way) if isinstance(way, Crawl) else alternating(limbs, way)
@@ -108,8 +108,8 @@ def draft_card(source: Source) -> Draft:
     servo = None if all(found.values()) else suited
     held = sum(len(limb.hold) for limb in limbs)
     guesses.append(
-        f"{len(limbs)} legs: joints nearest to the vertical swing, those that raise "
-        f"the foot most lift{f', {held} further joints are held' if held else ''}"
+        f"{len(limbs)} legs: joints nearest to the vertical swing them, those that "
+        f"raise the feet most lift them{f'; {held} more are held' if held else ''}"
     )
     guesses += gait.guesses
     if servo is not None:
@@ -120,7 +120,7 @@ def draft_card(source: Source) -> Draft:
             f"the servos of {len(soft)} joints, such as {soft[0]!r}, are soft, "
             f"{found[soft[0]]:.4g} N m/rad: if the robot strays from its prediction, "
             f"--set servo_stiffness={float(f'{suited.stiffness:.3g}'):g} "
-            f"--set servo_damping={suited.damping:.3g} shows whether they are why"
+            f"--set servo_damping={suited.damping:.3g} shows whether that is the cause"
         )
     text = card_text(pose, limbs, gait, angles, servo)
     return Draft(text, tuple(guesses), limbs, gait)

@@ -230,9 +230,9 @@ def free_reach(
             )
         swing = farthest * (level - 1) / TRIED_ANGLES
         return Reach(swing, f"beyond which {one!r} and {other!r} would touch", True)
-    left = f"which is what is left of its range where {joint!r} stands"
+    left = f"up to the end of the range of {joint!r}"
     if degrees := round(np.rad2deg(pose.angle(joint))):
-        left += f", at {degrees} degrees"
+        left += f", which stands at {degrees} degrees"
     return Reach(farthest, left, False)
 
 

@@ -104,7 +104,7 @@ def biped(hip: float = 1, heights: bool = True) -> Problem:
     turning: Strata = {"1": {"1": (hip, 0, 1)}, "2": {"2": (hip, 0, -1)}}
     return Problem(
         name="biped",
-        description="two turning feet, as one walks a cupboard; sideways (Fig. 2)",
+        description="two feet about which the body turns, moved sideways (Fig. 2)",
         system=walker({"12": {"1": None, "2": None}, **turning}, heights=heights),
         gait=ALTERNATING,
         elements=("g1_1", "g2_2", *AIR_SWINGS, "[g1_1,g2_2]"),

@@ -155,7 +155,7 @@ def plans(setup: Setup) -> Iterator[Row]:
     short, long, longest = (planned(n) / n for n in (SHORT, LONG, LONGEST))
     yield Row(f"{SHORT} segments planned in", 1e3 * SHORT * short, "ms", "< 5")
     yield Row(f"{LONGEST:,} segments planned, each in", 1e6 * longest, "us", "< 100")
-    what = f"time of each segment, {LONGEST:,} over {LONG:,}"
+    what = f"time for each segment, plans of {LONGEST:,} over {LONG:,}"
     yield Row(what, longest / long, "", "near 1")
 
 
@@ -173,7 +173,7 @@ def segments(name: str, most: int = LONGEST) -> Iterator[Row]:
     follow = partial(rollout, short())
     follow()
     ratio, _ = paired(follow, short)
-    yield Row(f"system {name}: a rollout over its plan", ratio, "", "<= 2")
+    yield Row(f"system {name}: rollout time over plan time", ratio, "", "<= 2")
 
 
 def travel(scenario: str) -> Row:
@@ -188,7 +188,7 @@ def travel(scenario: str) -> Row:
         loaded = setup.extended.elements[:2]
         return sum(abs(f.duration) for f in merged(aimed.flows) if f.field in loaded)
 
-    what = f"{scenario}: swing travel of shortest words over the printed"
+    what = f"{scenario}: swing travel, shortest words over printed ones"
     return Row(what, swept("shortest") / swept("backward"), "", "< 1")
 
 
@@ -222,7 +222,7 @@ def optimised() -> Iterator[Row]:
         what = f"line optimised ({name})"
         yield Row(f"{what}, time", walk, "s", f"<= {most:g}")
         yield Row(f"{what}, least possible", least or 0.0, "s", "> 15")
-        yield Row(f"{what}, printed over it", printed / walk, "")
+        yield Row(f"{what}, printed plan over this", printed / walk, "")
         yield Row(f"{what}, CPU", took, "s")
 
 
@@ -268,4 +268,4 @@ def command() -> Iterator[Row]:
         took = seconds(python(*run, str(Path(folder) / "run")))
         yield Row("run ellipse --no-video takes", took, "s")
     peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
-    yield Row("and at most this much memory", peak, "MB", "< 600")
+    yield Row("run ellipse --no-video needs at most", peak, "MB", "< 600")

@@ -39,7 +39,7 @@ def measure() -> Iterator[Row]:
     """All measurements of sweeps, one after another."""
     yield from throughput(load_scenario("line", SHORT))
     yield from workers(load_scenario("line", TINY))
-    yield Row(f"memory of the books of {MANY} points", _peak("keep_books"), "MB")
+    yield Row(f"memory of the ledger of {MANY} points", _peak("keep_books"), "MB")
     yield Row(f"memory of a worker after {VARIED} points", _peak("work"), "MB", "< 700")
 
 
@@ -64,7 +64,7 @@ def throughput(scenario: Scenario) -> Iterator[Row]:
             engine.rollout(len(rows), control=rows[None])
 
     ratio, took = paired(bare, ours)
-    what = "points of a sweep, evaluation included, over a bare batch"
+    what = "speed of a sweep, evaluation included, over a bare batch"
     yield Row(what, ratio, "", ">= 0.85")
     yield Row(f"points of {len(played[0][1])} steps in a second", 1 / took, "1/s")
 
@@ -73,9 +73,9 @@ def workers(scenario: Scenario) -> Iterator[Row]:
     """Two worker processes against one, started and warm; all points differ."""
     one, two = (_times_of(scenario, count) for count in (1, 2))
     ratio = one[0] / two[0]
-    yield Row("two workers of a sweep over one", ratio, "", ">= 1.8, if idle")
-    yield Row("two bare batches at once over one, here and now", one[1] / two[1], "")
-    yield Row("short points in a second, by two workers", TASKS / two[0], "1/s")
+    yield Row("speed of a sweep, two workers over one", ratio, "", ">= 1.8, if idle")
+    yield Row("speed of bare batches, two at once over one", one[1] / two[1], "")
+    yield Row("short points in a second, two workers", TASKS / two[0], "1/s")
 
 
 def _times_of(scenario: Scenario, count: int) -> tuple[float, float]:

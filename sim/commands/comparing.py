@@ -130,7 +130,7 @@ def draw(run: Run, found: Sequence[Mapping[str, Any]], path: Path) -> None:
 
 
 def _kind(row: Mapping[str, Any]) -> str:
-    return f"1 {row['unit']}: {str(row['what']).partition(' of leg')[0]}"
+    return f"{row['unit']}: {str(row['what']).partition(' of leg')[0]}"
 
 
 def figures(options: argparse.Namespace) -> None:

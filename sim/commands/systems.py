@@ -62,8 +62,8 @@ def systems(options: argparse.Namespace) -> None:
             }
         )
         lines.append(f"{name:18}{of.description}")
-        if pairs := " ".join(f"{k}={json.dumps(v)}" for k, v in given.items()):
-            lines.append(f"{'':18}--set {pairs}")
+        if pairs := ", ".join(f"{k}={json.dumps(v)}" for k, v in given.items()):
+            lines.append(f"{'':18}parameters {pairs}")
     cli.report(options, facts, *lines)
 
 
@@ -158,7 +158,8 @@ def check(options: argparse.Namespace) -> None:
         "static_stability": subject.static_stability,
     }
     facts = {"system": options.system, **facts}
-    text = render("check.txt", is_robot=bool(subject.strokes), **facts)
+    names = [str(symbol) for symbol in system.state]
+    text = render("check.txt", names=names, is_robot=bool(subject.strokes), **facts)
     cli.report(options, facts, text)
 
 

@@ -43,7 +43,7 @@ def judge(evidence: Evidence, judged: Array) -> Verdict:
     walk, weighed, best = evidence.walk, evidence.weighed, evidence.best
     end, goal = evidence.achieved.pose[-1], walk.setup.scenario.goal
     label = PREDICTIONS[weighed.prediction].label
-    ended = f"{departure(end, best.pose[-1])} from where the {label} prediction has it"
+    ended = f"{departure(end, best.pose[-1])} from the end of the {label} prediction"
     if goal is not None:
         ended = f"{departure(end, np.array(goal))} from the goal and {ended}"
     word, how = (

@@ -228,12 +228,12 @@ def words(kind: object) -> str:
     if origin is tuple and get_origin(inner[0]) is Literal:
         return f"a list of {words(inner[0])}"
     if origin is tuple:
-        each = [item for item in inner if item is not Ellipsis]
-        count = f"{len(each)} " if len(each) == len(inner) else ""
-        return f"a list of {count}numbers, {', '.join(map(words, each))}"
+        each = [words(n).removeprefix("a number ") for n in inner if n is not Ellipsis]
+        count = f"{len(each)} numbers," if len(each) == len(inner) else "numbers"
+        return f"a list of {count} {', '.join(each)}"
     if origin is Annotated and isinstance(inner[1], Range):
         noun = "a whole number" if inner[0] is int else "a number"
-        return f"{noun} from {inner[1].low:g} to {inner[1].high:g}"
+        return f"{noun} from {inner[1].low:.10g} to {inner[1].high:.10g}"
     if origin is Annotated and inner[1].file_name:
         return "a name without slashes"
     if origin is Mapping:

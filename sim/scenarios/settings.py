@@ -52,7 +52,7 @@ class Settings:
         "order of the flows: with centred strokes, or as in the paper", None, "plan"
     )
     words: Literal["printed", "shortest", "symmetric"] = setting(
-        "flows of a segment: printed, shortest, or mirrored by turns", "printed", "plan"
+        "flows: printed, shortest, or mirrored in alternate segments", "printed", "plan"
     )
     degree: Annotated[int, Range(1, 8)] | None = setting(
         "degree of the nilpotent approximation, Sec. 6", None, "equations"
@@ -64,16 +64,16 @@ class Settings:
         "log of joint angles to play in place of a plan", None, ("plan", "world")
     )
     segments: Annotated[int, Range(1, 100_000)] = setting(
-        "pieces into which the path is cut; each is planned for itself", 20, "plan"
+        "pieces into which the path is cut; each is planned on its own", 20, "plan"
     )
     replan: bool = setting(
         "plan each segment from the pose that was reached", False, "plan"
     )
     learn: bool | None = setting(
-        "learn from segments' misses; if not given, imperfect robots do", None, "plan"
+        "learn from errors of segments; if not given, imperfect robots do", None, "plan"
     )
     sense: Literal["exact", "mocap", "tag", "gyro"] = setting(
-        "sensors that tell replanning the pose: exactly, a motion-capture system, "
+        "source of poses for replanning: the exact pose, a motion-capture system, "
         "a camera with tags, or a gyroscope alone",
         "exact",
         "plan",
@@ -94,7 +94,7 @@ class Settings:
         "segments from one stop with readings to the next", 1, "plan"
     )
     sense_until: Annotated[int, Range(0, 100_000)] | None = setting(
-        "segments after which there are no more readings", None, "plan"
+        "number of segments after which readings end", None, "plan"
     )
     sense_lost: Annotated[float, Range(0, 1)] = setting(
         "share of stops whose reading is lost", 0.0, "plan"
@@ -103,16 +103,16 @@ class Settings:
         "share of stops whose reading is wrong by up to 0.1 m and 0.5 rad", 0.0, "plan"
     )
     gyro_noise: Annotated[float, Range(0, 1)] | None = setting(
-        "growth of a gyroscope's error; if not given, as the sense has it, if at all",
+        "growth of a gyroscope's error; if not given, that of the sensor, if any",
         None,
         "plan",
         "rad/sqrt(s)",
     )
     gyro_drift: Annotated[float, Range(0, 1)] | None = setting(
-        "standard deviation of its unknown constant rate", None, "plan", "rad/s"
+        "standard deviation of its constant, unknown error", None, "plan", "rad/s"
     )
     sense_draw: Annotated[int, Range(0, 2**32 - 1)] = setting(
-        "number of the random draw of what sensors tell", 0, "plan"
+        "number of the random draw of the errors of sensors", 0, "plan"
     )
     learnt: tuple[Coordinate, ...] | None = setting(
         "what an earlier walk has learnt: its learnt.toml, or numbers", None, "plan"
@@ -121,13 +121,13 @@ class Settings:
         "prediction that is to reach the goal", "ideal", "plan"
     )
     optimise: Literal["none", "time", "strokes", "switches"] = setting(
-        "what an optimised plan has least of; none: the stratified plan", "none", "plan"
+        "what an optimised plan minimises; none: nothing is optimised", "none", "plan"
     )
     path_tolerance: Annotated[float, Range(LEAST, 100)] | None = setting(
         "how far an optimised plan may depart from the path", None, "plan", "m"
     )
     yaw_tolerance: Annotated[float, Range(LEAST, 1e3)] | None = setting(
-        "how far it may depart from the yaw; pi leaves that free", None, "plan", "rad"
+        "how far such a plan may depart in yaw; pi leaves it free", None, "plan", "rad"
     )
     hops: Annotated[int, Range(0, 10_000)] = setting(
         "times that the search for an optimised plan starts again", 130, "plan"
@@ -136,7 +136,7 @@ class Settings:
         "recover lifted legs while others stroke", False, "plan", formerly="together"
     )
     correct: Annotated[int, Range(1, 20)] = setting(
-        "number of walks; each is aimed to cancel what the one before missed", 1, "plan"
+        "number of walks; each is aimed to cancel the error of the last", 1, "plan"
     )
     friction: Annotated[float, Range(0, 10)] = setting(
         "coefficient of sliding friction of feet and floor", 1.0, "world"
@@ -156,36 +156,36 @@ class Settings:
         ("plan", "world", "drive"),  # strokes may end on whole counts
     )
     servo_data: Mapping[str, float] | None = setting(
-        "numbers of its data sheet, by name", None, ("plan", "world", "drive")
+        "numbers of the servo's data sheet, by name", None, ("plan", "world", "drive")
     )
     command_rate: Annotated[float, Range(0, 1e5)] | None = setting(
-        "commands a second; 0 for one a step", None, ("world", "drive"), "1/s"
+        "commands a second; 0 for one every step", None, ("world", "drive"), "1/s"
     )
     resolution: Annotated[float, Range(0, 0.2)] | None = setting(
         "angle of one count of a servo's command", None, ("plan", "drive"), "rad"
     )
     feed_forward: bool | Literal["predicted"] | None = setting(
-        "add what loads will deflect; if not given, on soft servos only", None, "drive"
+        "add the deflection by loads; if not given, on soft servos only", None, "drive"
     )
     command_delay: Annotated[float, Range(0, 0.5)] = imperfection(
         "delay from a command to the servo's motion", 0.0, "drive", "s"
     )
     dead_band: Literal["own"] | Width | tuple[Width, ...] = imperfection(
-        "width of the error without torque; own: the make's", 0.0, "world", "rad"
+        "width of the errors without torque; own: that of the make", 0.0, "world", "rad"
     )
     dead_band_spread: Annotated[float, Range(0, 1)] = imperfection(
-        "share by which dead bands differ, drawn", 0.0, "world"
+        "share by which dead bands differ at random", 0.0, "world"
     )
     assumed_dead_band: Width | tuple[Width, ...] | None = setting(
         "dead band to allow for; dead_band if not given", None, "drive", "rad"
     )
     dead_band_law: Literal["offset", "step"] = setting(
-        "torque beyond the band: by the rest of the error, or by all of it",
+        "torque beyond the band grows with the error's part beyond, or with all of it",
         "offset",
         "world",
     )
     zero_offset: Width | tuple[Zero, ...] = imperfection(
-        "largest error of servos' zeros, drawn, or that of each", 0.0, "drive", "rad"
+        "largest random error of servos' zeros, or each error", 0.0, "drive", "rad"
     )
     backlash: Width = imperfection(
         "backlash in the gears of every leg joint", 0.0, "world", "rad", formerly="play"
@@ -198,7 +198,7 @@ class Settings:
         "angle of the floor, and the direction that goes down", None, "world", "rad"
     )
     floor_stiffness: Annotated[float, Range(100, 1e7)] | None = imperfection(
-        "stiffness of the floor's contact, as MuJoCo's solref has it", None, "world"
+        "stiffness of the floor's contact, as in MuJoCo's solref", None, "world"
     )
     foot_friction: tuple[Annotated[float, Range(0, 10)], ...] | None = imperfection(
         "coefficient of friction of each foot, in the order of the legs", None, "world"
@@ -207,7 +207,7 @@ class Settings:
         "greatest height of bumps in the floor", 0.0, "world", "m"
     )
     imperfect: Literal["hobby"] | None = imperfection(
-        "imperfections to draw in place of those given", None, ("world", "drive")
+        "set of random imperfections in place of those given", None, ("world", "drive")
     )
     predictions: tuple[Predicted, ...] | None = setting(
         "predictions to make beside the ideal one; all if not given", None, "rows"
@@ -246,7 +246,7 @@ class Settings:
         "physics steps between recorded rows", 10, "rows"
     )
     playback: Annotated[float, Range(LEAST, 1000)] | None = setting(
-        "film speed, in times real time; fits the walk if not given", None, "film"
+        "film speed over real time; fits the walk if not given", None, "film"
     )
     seed: Annotated[int, Range(0, 2**32 - 1)] = setting(
         "seed of the search for a way around obstacles", 0, "plan"

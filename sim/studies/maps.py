@@ -100,7 +100,7 @@ def page(results: Results, found: Findings, table: Path, beside: Path) -> str:
         found=found,
         label=results.label,
         counts=Table(("farthest off, of the path", "points", "share"), counts),
-        explained=Table(("alone explains", "of distances", "of lost walks"), shares),
+        explained=Table(("explained by", "of distances", "of lost walks"), shares),
         maps=[finish(figure, " and ".join(keys), []) for keys, figure in drawn],
         worst=_points(results, worst, folder, places),
         best=_points(results, [] if few else order[:EXTREMES], folder, places),
@@ -144,7 +144,7 @@ def _draw_map(axes: Axes, results: Results, across: str, up: str) -> None:
     badness = list(zip(results.classes, np.nan_to_num(results.off), strict=True))
     worst = {place: max(some, key=badness.__getitem__) for place, some in there.items()}
     note = ", the worst at each place" if len(results) > len(worst) else ""
-    axes.set_title(f"farthest off the {results.label} prediction, % of the path{note}")
+    axes.set_title(f"farthest from the {results.label} prediction, % of the path{note}")
     shades = _shades(results)
     colours = {place: shades[results.classes[i]] for place, i in worst.items()}
     if not all(_is_table(results.columns[key]) for key in (across, up)):

@@ -35,8 +35,8 @@ ROUNDING_SHARE = 1e-9  # of the path; smaller shares are rounding
 PRINTED_REASONS = 5
 FURTHER = ("beyond", "fell", "no walk")  # classes, after those of the limits
 FELL, NO_WALK = 4, 5
-VARIANCES = "variance of the distance's logarithm, and of walks fallen or impossible"
-ALONE = "one setting alone varies: there is nothing to divide among several"
+VARIANCES = "shares of the variance of the distance's logarithm, and of losses"
+ALONE = "only one setting varies, so that nothing is to be divided among several"
 THIRDS = (1 / 3, 2 / 3, 1.0)  # of the points, above which the fitted limits are
 ROUND = np.outer(
     10.0 ** np.arange(-9, 4), (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0)

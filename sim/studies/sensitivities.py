@@ -101,27 +101,27 @@ def changes_of(phases: Phases, legs: Sequence[int]) -> Iterator[Change]:
                 offset = robot.offset.copy()
                 offset[0, foot, joint] += step
                 what = f"zero of joint {joint + 1} of leg {leg}"
-                yield Change(what, "degree", replace(robot, offset=offset))
+                yield Change(what, "1 degree", replace(robot, offset=offset))
     for foot, leg in enumerate(legs):
         radius = robot.radius.copy()
         radius[0, foot] += SHARE * MILLIMETRE
-        yield Change(f"length of leg {leg}", "mm", replace(robot, radius=radius))
+        yield Change(f"length of leg {leg}", "1 mm", replace(robot, radius=radius))
     mass = SHARE * NEWTON / size
     body = robot.body_mass + mass
     center = robot.body_center * (robot.body_mass / body)[:, None]
     laden = replace(robot, body_mass=body, body_center=center, mass=robot.mass + mass)
-    yield Change("payload in the body's middle", "N", laden)
+    yield Change("payload in the body's middle", "1 N", laden)
     for axis, way in enumerate(("ahead", "to the left")):
         shift = np.zeros(3)
         shift[axis] = SHARE * MILLIMETRE * robot.mass[0] / robot.body_mass[0]
         moved = replace(robot, body_center=robot.body_center + shift)
-        yield Change(f"centre of mass {way}", "mm", moved)
+        yield Change(f"centre of mass {way}", "1 mm", moved)
     for axis, way in enumerate(("ahead", "to the left")):
         down = np.zeros(3)
         down[axis] = size * step
         leaning = replace(robot, gravity=robot.gravity + down)
-        yield Change(f"floor that leans down {way}", "degree", leaning)
+        yield Change(f"floor that leans down {way}", "1 degree", leaning)
     rough = replace(robot, friction=robot.friction + SHARE * TENTH)
-    yield Change("friction", "tenth", rough)
+    yield Change("friction", "0.1", rough)
     stiff = replace(robot, stiffness=robot.stiffness * (1 + SHARE * TENTH))
-    yield Change("stiffness of all servos", "tenth", stiff)
+    yield Change("stiffness of all servos", "10 %", stiff)

@@ -48,13 +48,13 @@ def changes(robot: Robot, scenario: Scenario) -> Iterator[str]:
         inertia = f"{next(iter(added.values())):.2g}"
         yield (
             f"joints {_listed([*added])} have no armature and would chatter; they "
-            f"get that of a motor behind its gears, {inertia} kg m^2, to have another "
+            f"get that of a motor behind its gears, {inertia} kg m^2; to set another, "
             f'write armature="{inertia}" into the file'
         )
     if springs := undamped_joints(robot, asked):
         yield (
             f"the servos of joints {_listed([*springs])} have no damping, or little "
-            "for a motor; they are critically damped, set servo_damping to change it"
+            "for a motor; they are critically damped; servo_damping sets another"
         )
     feet = [spec.geom(name) for name in robot.card.feet]
     if wide := [foot.name for foot in feet if foot.margin or foot.gap]:
