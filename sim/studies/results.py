@@ -36,7 +36,7 @@ PRINTED_REASONS = 5
 FURTHER = ("beyond", "fell", "no walk")  # classes, after those of the limits
 FELL, NO_WALK = 4, 5
 VARIANCES = "shares of the variance of the distance's logarithm, and of losses"
-ALONE = "only one setting varies, so that nothing is to be divided among several"
+ALONE = "only one setting varies, so there is nothing to divide among several"
 THIRDS = (1 / 3, 2 / 3, 1.0)  # of the points, above which the fitted limits are
 ROUND = np.outer(
     10.0 ** np.arange(-9, 4), (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0)

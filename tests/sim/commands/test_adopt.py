@@ -26,7 +26,7 @@ def test_card_and_picture_are_written_and_the_file_is_left_alone(tmp_path, capsy
     before = path.read_bytes()
     assert main(["adopt", str(path)]) == 0
     out = capsys.readouterr().out
-    assert "guessed     its feet are not on one floor" in out
+    assert "guessed     the file puts the feet at different heights" in out
     assert "legs 1 4 5: turned by up to" in out
     assert path.read_bytes() == before
     assert names(tmp_path) == ["spider.png", "spider.toml", "spider.xml"]

@@ -90,7 +90,7 @@ def test_a_finished_run_is_asked_for_some_changes_at_some_times(walked):
 
 
 def test_the_command_gives_a_row_for_each(walked, tmp_path, monkeypatch, capsys):
-    some = [{"what": f"length of leg {n}", "unit": "mm"} for n in LEGS]
+    some = [{"what": f"length of leg {n}", "unit": "1 mm"} for n in LEGS]
     found = [row | {"x": 1e-3, "y": -1e-3, "yaw": 0.01} for row in some]
     monkeypatch.setattr(comparing, "rows", lambda _: found)
     drawn = tmp_path / "above.png"
@@ -99,13 +99,13 @@ def test_the_command_gives_a_row_for_each(walked, tmp_path, monkeypatch, capsys)
     assert json.loads(capsys.readouterr().out) == found
     assert drawn.stat().st_size > 1000
     comparing.sensitivities(type("O", (options,), {"json": False}))
-    assert "mm     length of leg 3" in capsys.readouterr().out
+    assert "1 mm     length of leg 3" in capsys.readouterr().out
 
 
 def test_kinds_of_change_in_the_picture_differ_in_colour(walked, tmp_path, monkeypatch):
     kinds = [f"kind {number}" for number in range(10)]
     found = [
-        {"what": kind, "unit": "mm", "x": n, "y": 0} for n, kind in enumerate(kinds)
+        {"what": kind, "unit": "1 mm", "x": n, "y": 0} for n, kind in enumerate(kinds)
     ]
     drawn = []
     monkeypatch.setattr(Figure, "savefig", lambda self, *_, **__: drawn.append(self))
