@@ -8,6 +8,7 @@ from contextlib import contextmanager
 
 import numpy as np
 import pytest
+from matplotlib import rc_context
 from PIL import Image
 
 from planner.errors import PlannerError, RangeError
@@ -24,8 +25,9 @@ from sim.figures import (
 )
 from sim.figures.diagonal import footprints
 from sim.figures.physics import Job, _share, begun, perform, time_left
-from sim.figures.sheet import draw, drawn, save
+from sim.figures.sheet import draw, drawn
 from sim.figures.stability import polygon_margin
+from sim.figures.style import STYLE
 from sim.folder import RunFolder
 
 QUICK = {"timestep": 0.001, "swing_speed": 2.0, "hold": 0.1}
@@ -81,12 +83,12 @@ def test_every_figure_can_be_asked_for():
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_figure_in_metres_is_drawn_with_its_numbers(walks, name, tmp_path):
+    """Coarsely; how sheets are written is shown below."""
     sheet = drawn(name, "metres", walks[name])
-    save(sheet, tmp_path)
-    with Image.open(tmp_path / f"{sheet.name}.png") as picture:
-        assert picture.width > 1500
+    with rc_context(STYLE):
+        sheet.figure.savefig(tmp_path / "sheet.png", dpi=60)
+    with Image.open(tmp_path / "sheet.png") as picture:
         assert np.ptp(np.asarray(picture.convert("L"))) > 200
-    assert (tmp_path / f"{sheet.name}.svg").stat().st_size > 10_000
     assert np.isfinite(
         [c for row in sheet.table.rows for c in row if isinstance(c, float)]
     ).all()
@@ -223,6 +225,9 @@ def test_sheets_are_written_one_by_one(tmp_path):
     made = {path.name for path in tmp_path.iterdir()}
     assert made == {f"{first.name}.{kind}" for kind in ("png", "svg", "csv")}
     assert [sheet.name for sheet in sheets] == ["fig1-mechanism-metres"]
+    with Image.open(tmp_path / f"{first.name}.png") as picture:
+        assert picture.width > 1500
+    assert (tmp_path / f"{first.name}.svg").stat().st_size > 10_000
     page = (tmp_path / "figures.md").read_text()
     assert page.index(first.name) < page.index("fig1-mechanism-metres")
 
