@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -131,28 +132,11 @@ class Constraints:
         """
         if not task.inequalities:
             return
-        ca, n = solver(), len(task.moved)
-        begin, end = ca.SX.sym("begin", n), ca.SX.sym("end", n)
-        excess = ca.SX.sym("excess")
-        recovered = {r.coordinate for r in stage.recoveries}
-        mixed = [
-            end[k] if i in recovered else begin[k] for k, i in enumerate(task.moved)
-        ]
-        parts, kinds = list[Expression](), list[tuple[int, int]]()
-        unit = task.unit(start)
-        for place, state in enumerate((begin, ca.vertcat(*mixed), end)):
-            whole = whole_state(task, start, state)
-            for number, inequality in enumerate(task.inequalities):
-                if inequality.relaxed and task.overlapped and place == 1:
-                    continue  # recovered only as the stroke ends
-                slack = excess if inequality.relaxed else 0.0
-                found = inequality.expressions(stage, whole)
-                parts += [part / unit + slack for part in found]
-                kinds += [(place, number)] * len(found)
-        if not parts:
+        key = "inequalities", stage, task.inequalities, start.tobytes()
+        function, kinds = task.built(key, partial(_inequalities, task, stage, start))
+        if not kinds:
             return
-        arguments = [begin, end, excess]
-        function = ca.Function("inequalities", arguments, [ca.vertcat(*parts)])
+        unit = task.unit(start)
         mapped = function.map(states[0].shape[1])(*states, width)
 
         def tightening(margins: Margins) -> Array:
@@ -180,6 +164,33 @@ class Constraints:
             for j, recovery in enumerate(stage.recoveries):
                 part = task.cost(recovery.field) * recoveries[j, k]
                 self.add(times[k] - part, 0.0, np.inf)
+
+
+def _inequalities(
+    task: Task, stage: Stage, start: Array
+) -> tuple[Expression, list[tuple[int, int]]]:
+    """The inequalities as a function of a stage's ends and the excess width.
+
+    With it the place, 0 to 2, and the number of the inequality in the task, row by row.
+    """
+    ca, n = solver(), len(task.moved)
+    begin, end = ca.SX.sym("begin", n), ca.SX.sym("end", n)
+    excess = ca.SX.sym("excess")
+    recovered = {r.coordinate for r in stage.recoveries}
+    mixed = [end[k] if i in recovered else begin[k] for k, i in enumerate(task.moved)]
+    parts, kinds = list[Expression](), list[tuple[int, int]]()
+    unit = task.unit(start)
+    for place, state in enumerate((begin, ca.vertcat(*mixed), end)):
+        whole = whole_state(task, start, state)
+        for number, inequality in enumerate(task.inequalities):
+            if inequality.relaxed and task.overlapped and place == 1:
+                continue  # recovered only as the stroke ends
+            slack = excess if inequality.relaxed else 0.0
+            found = inequality.expressions(stage, whole)
+            parts += [part / unit + slack for part in found]
+            kinds += [(place, number)] * len(found)
+    arguments = [begin, end, excess]
+    return ca.Function("inequalities", arguments, [ca.vertcat(*parts)]), kinds
 
 
 def path_distance(task: Task, path: Path) -> tuple[Expression, list[int]]:
@@ -228,6 +239,11 @@ def stage_function(
     Integrates by the classical Runge-Kutta method. Recoveries precede the stroke, or
     take place during it. `start`, shape (n,), has the coordinates that no stage moves.
     """
+    key = "stage", stage, start.tobytes(), count
+    return task.built(key, partial(_stage_function, task, stage, start, count))
+
+
+def _stage_function(task: Task, stage: Stage, start: Array, count: int) -> Expression:
     ca, n = solver(), len(task.moved)
     x, d = ca.SX.sym("x", n), ca.SX.sym("d")
     a = ca.SX.sym("a", task.most_recoveries)

@@ -11,7 +11,6 @@ guess, and where no plan keeps the tolerances, its solution says which width is 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -25,6 +24,7 @@ from planner.optimisation.constraints import (
     Margins,
     curve_function,
     path_distance,
+    stage_function,
 )
 from planner.optimisation.solver import Expression, Ipopt, solver
 from planner.optimisation.stages import Stage
@@ -161,21 +161,18 @@ class Unknowns:
         return np.array([known[stage] for stage in self.stages])
 
 
-Motions = Mapping[Stage, Expression]
-"""Functions of `stage_function`, which programs of all sizes and tolerances share."""
-
-
 class Program:
     """The program for a number of stages, built once and solved from any guess."""
 
-    def __init__(
-        self, task: Task, path: Path, known: Motions, count: int, first: int = 0
-    ) -> None:
+    def __init__(self, task: Task, path: Path, count: int, first: int = 0) -> None:
         self.task, self.path = task, path
         self._start = path(0.0)
         size = np.abs(path.at(np.linspace(0.0, 1.0, 20)) - self._start).max()
         self.unknowns = Unknowns(task, first, count, float(size))
-        self._stages = {stage: known[stage] for stage in self.unknowns.stages}
+        self._stages = {
+            stage: stage_function(task, stage, self._start)
+            for stage in dict.fromkeys(self.unknowns.stages)
+        }
         dearest = max(task.cost(s.stroke) for s in task.stages if s.stroke)
         self._width_cost = WIDTH_COST * dearest
         self._constraints = Constraints()

@@ -7,7 +7,8 @@ ends. Here the motion is checked after many, and margins grow in the stages in n
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -62,7 +63,6 @@ class Refinement:
 
     task: Task
     path: Path
-    _functions: dict[Stage, Expression] = field(default_factory=dict)
 
     def enlarged(
         self,
@@ -116,10 +116,11 @@ class Refinement:
     def _checked(self, solution: Solution, number: int) -> tuple[Array, Array]:
         """States within a stage, shape (FINE_STEPS, m), and violations, shape (R,)."""
         stage = self.task.stage(solution.first + number)
-        if stage not in self._functions:
-            self._functions[stage] = self._function(stage, solution.states[0])
+        start = self.path(0.0)
+        key = "between", stage, self.task.inequalities, start.tobytes()
+        function = self.task.built(key, partial(self._function, stage, start))
         begin = solution.states[number][self.task.moved]
-        states, *lacks = self._functions[stage].call(
+        states, *lacks = function.call(
             [begin, solution.strokes[number], solution.recoveries[number]]
         )
         return np.array(states).T, np.array([np.array(lack).max() for lack in lacks])

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any, TypeVar, cast
 
 import numpy as np
 
@@ -20,6 +21,7 @@ FINER = 16  # times as many, for which its plans are solved again
 ROUNDING = 1e-9  # of their logarithms
 KICK = 0.3  # of an inserted stroke, relative to the longest one of the plan
 CHEAP = 0.01  # cost of a recovery where strokes alone are to be short
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -55,6 +57,13 @@ class Task:
     overlapped: bool = False  # whether recoveries take place during strokes
     centred: bool = False
     inequalities: tuple[Inequality, ...] = ()
+    _built: dict[object, Any] = field(default_factory=dict, compare=False, repr=False)
+
+    def built(self, key: object, build: Callable[[], T]) -> T:
+        """What a key stands for, built once for all tasks derived from this one."""
+        if key not in self._built:
+            self._built[key] = build()
+        return cast("T", self._built[key])
 
     def stage(self, number: int) -> Stage:
         """The stage with a number, counted through the repeated cycle."""

@@ -13,15 +13,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache, cached_property, partial
+from functools import cache, partial
 from itertools import islice
 
 import numpy as np
 
 from planner.errors import BudgetError
 from planner.numerics.arrays import Array
-from planner.optimisation.constraints import CHECKED_SHARE, stage_function
-from planner.optimisation.program import Motions, Program
+from planner.optimisation.constraints import CHECKED_SHARE
+from planner.optimisation.program import Program
 from planner.optimisation.stages import Coarse, guesses
 from planner.optimisation.task import Solution, Task
 from planner.planning.paths import Path
@@ -64,6 +64,12 @@ class Window:
         return self.ends[0] == 0.0
 
 
+def programs_of(task: Task, path: Path) -> Programs:
+    """Programs for a number of stages and the first of them, each built once."""
+    built = cache(partial(Program, task, path))
+    return lambda count, first: built(count, first % len(task.stages))
+
+
 @dataclass
 class WindowSearch:
     """Search for the best plan of one window after another.
@@ -87,19 +93,9 @@ class WindowSearch:
     _left: float = 1.0
 
     def __post_init__(self) -> None:
-        self.programs = self._programs_of(self.task)
-        without = self._programs_of(self.task.relaxed)
+        self.programs = programs_of(self.task, self.path)
+        without = programs_of(self.task.relaxed, self.path)
         self._relaxed = without if self._relaxes else self.programs
-
-    @cached_property
-    def _motions(self) -> Motions:
-        start = self.path(0.0)
-        return {s: stage_function(self.task, s, start) for s in self.task.stages}
-
-    def _programs_of(self, task: Task) -> Programs:
-        """Programs for a number of stages and the first of them, each built once."""
-        built = cache(partial(Program, task, self.path, self._motions))
-        return lambda count, first: built(count, first % len(task.stages))
 
     def solve(self, window: Window, count: int) -> Solution | None:
         """The best solution that keeps the tolerances, or the narrowest if none does.
@@ -191,7 +187,7 @@ class WindowSearch:
         """
         found = [self._best] if self._best else []
         for number, task in enumerate(rungs):
-            programs = self._programs_of(task)
+            programs = programs_of(task, self.path)
             for plan in self._finalists() if number == 0 else found[-1:]:
                 program, best = programs(len(plan.strokes), plan.first), found[-1]
                 for near in (True, False):

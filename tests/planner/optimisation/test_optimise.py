@@ -267,13 +267,20 @@ def test_strokes_whose_legs_are_set_anew_leave_recoveries_to_others():
     assert {flow.field for flow in found.flows} <= {"g1_1", "g2_2"}
 
 
+def test_functions_of_stages_are_built_once_for_all_tolerances(optimiser):
+    tasks = optimiser.task, optimiser.task.rounded
+    given = optimiser.task.stages[0], STEP(0.0)
+    assert len({id(constraints.stage_function(task, *given)) for task in tasks}) == 1
+
+
 def test_margins_of_inequalities_are_for_states_that_are_free_to_move():
     """A first stage begins and a last one ends where it must, whatever is asked for."""
     ca, unit = pytest.importorskip("casadi"), 2.0
     kept = SimpleNamespace(relaxed=False, expressions=lambda stage, state: [state[0]])
     task = SimpleNamespace(
-        inequalities=(kept,), moved=(0,), overlapped=False, unit=lambda start: unit
-    )
+        inequalities=(kept,), moved=(0,), overlapped=False, unit=lambda start: unit,
+        built=lambda key, build: build(),
+    )  # fmt: skip
     states, asked = ca.SX.sym("states", 1, 3), np.array([[0.2], [0.4], [0.6]])
     rows = constraints.Constraints()
     rows.inequalities(
