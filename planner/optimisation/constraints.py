@@ -8,14 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
 from planner.numerics.arrays import Array
 from planner.optimisation.solver import Expression, casadi_function, solver
 from planner.optimisation.stages import Stage
-from planner.optimisation.task import Task
+from planner.optimisation.task import Task, built_once
 from planner.planning.paths import Path
 
 CHECKED_SHARE = 0.999  # of the tolerances, allowed where they are checked
@@ -132,8 +131,7 @@ class Constraints:
         """
         if not task.inequalities:
             return
-        key = "inequalities", stage, task.inequalities, start.tobytes()
-        function, kinds = task.built(key, partial(_inequalities, task, stage, start))
+        function, kinds = _inequalities(task, stage, start)
         if not kinds:
             return
         unit = task.unit(start)
@@ -166,6 +164,7 @@ class Constraints:
                 self.add(times[k] - part, 0.0, np.inf)
 
 
+@built_once
 def _inequalities(
     task: Task, stage: Stage, start: Array
 ) -> tuple[Expression, list[tuple[int, int]]]:
@@ -231,6 +230,7 @@ def whole_state(task: Task, start: Array, moved: Expression) -> list[Expression]
     return whole
 
 
+@built_once
 def stage_function(
     task: Task, stage: Stage, start: Array, count: int = STAGE_STEPS
 ) -> Expression:
@@ -239,11 +239,6 @@ def stage_function(
     Integrates by the classical Runge-Kutta method. Recoveries precede the stroke, or
     take place during it. `start`, shape (n,), has the coordinates that no stage moves.
     """
-    key = "stage", stage, start.tobytes(), count
-    return task.built(key, partial(_stage_function, task, stage, start, count))
-
-
-def _stage_function(task: Task, stage: Stage, start: Array, count: int) -> Expression:
     ca, n = solver(), len(task.moved)
     x, d = ca.SX.sym("x", n), ca.SX.sym("d")
     a = ca.SX.sym("a", task.most_recoveries)

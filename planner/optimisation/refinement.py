@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
@@ -17,7 +16,7 @@ from planner.optimisation.constraints import Margins, stage_function, whole_stat
 from planner.optimisation.corridor import gaps
 from planner.optimisation.solver import Expression, solver
 from planner.optimisation.stages import Stage
-from planner.optimisation.task import Solution, Task
+from planner.optimisation.task import Solution, Task, built_once
 from planner.planning.paths import Path
 
 FINE_STEPS = 12  # of a stage
@@ -116,28 +115,28 @@ class Refinement:
     def _checked(self, solution: Solution, number: int) -> tuple[Array, Array]:
         """States within a stage, shape (FINE_STEPS, m), and violations, shape (R,)."""
         stage = self.task.stage(solution.first + number)
-        start = self.path(0.0)
-        key = "between", stage, self.task.inequalities, start.tobytes()
-        function = self.task.built(key, partial(self._function, stage, start))
+        function = _between(self.task, stage, self.path(0.0))
         begin = solution.states[number][self.task.moved]
         states, *lacks = function.call(
             [begin, solution.strokes[number], solution.recoveries[number]]
         )
         return np.array(states).T, np.array([np.array(lack).max() for lack in lacks])
 
-    def _function(self, stage: Stage, start: Array) -> Expression:
-        """States and violations at many steps, from start, stroke and recoveries."""
-        ca, task, n = solver(), self.task, len(self.task.moved)
-        x, d = ca.MX.sym("x", n), ca.MX.sym("d")
-        a = ca.MX.sym("a", task.most_recoveries)
-        y, lacks = ca.SX.sym("y", n), list[Expression]()
-        moved = stage_function(task, stage, start, FINE_STEPS)
-        steps = moved(x, d, a)
-        halfway = x if task.overlapped else moved(x, 0.0, a / 2)[:, -1]
-        every = ca.horzcat(x, halfway, steps)
-        whole = whole_state(task, start, y)
-        for inequality in task.inequalities:
-            rows = ca.vertcat(ca.SX(0.0), *inequality.expressions(stage, whole))
-            function = ca.Function("rows", [y], [rows])
-            lacks.append(-function.map(every.shape[1])(every))
-        return ca.Function("between", [x, d, a], [steps, *lacks])
+
+@built_once
+def _between(task: Task, stage: Stage, start: Array) -> Expression:
+    """States and violations at many steps, from start, stroke and recoveries."""
+    ca, n = solver(), len(task.moved)
+    x, d = ca.MX.sym("x", n), ca.MX.sym("d")
+    a = ca.MX.sym("a", task.most_recoveries)
+    y, lacks = ca.SX.sym("y", n), list[Expression]()
+    moved = stage_function(task, stage, start, FINE_STEPS)
+    steps = moved(x, d, a)
+    halfway = x if task.overlapped else moved(x, 0.0, a / 2)[:, -1]
+    every = ca.horzcat(x, halfway, steps)
+    whole = whole_state(task, start, y)
+    for inequality in task.inequalities:
+        rows = ca.vertcat(ca.SX(0.0), *inequality.expressions(stage, whole))
+        function = ca.Function("rows", [y], [rows])
+        lacks.append(-function.map(every.shape[1])(every))
+    return ca.Function("between", [x, d, a], [steps, *lacks])

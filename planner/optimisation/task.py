@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, TypeVar, cast
+from typing import TypeVar, cast
 
 import numpy as np
 
@@ -21,7 +21,7 @@ FINER = 16  # times as many, for which its plans are solved again
 ROUNDING = 1e-9  # of their logarithms
 KICK = 0.3  # of an inserted stroke, relative to the longest one of the plan
 CHEAP = 0.01  # cost of a recovery where strokes alone are to be short
-T = TypeVar("T")
+F = TypeVar("F", bound=Callable[..., object])
 
 
 @dataclass(frozen=True)
@@ -57,13 +57,7 @@ class Task:
     overlapped: bool = False  # whether recoveries take place during strokes
     centred: bool = False
     inequalities: tuple[Inequality, ...] = ()
-    _built: dict[object, Any] = field(default_factory=dict, compare=False, repr=False)
-
-    def built(self, key: object, build: Callable[[], T]) -> T:
-        """What a key stands for, built once for all tasks derived from this one."""
-        if key not in self._built:
-            self._built[key] = build()
-        return cast("T", self._built[key])
+    built: dict[object, object] = field(default_factory=dict, compare=False, repr=False)
 
     def stage(self, number: int) -> Stage:
         """The stage with a number, counted through the repeated cycle."""
@@ -139,6 +133,18 @@ class Task:
     def unit(self, start: Array) -> float:
         """The smallest of these changes, by which inequalities are scaled."""
         return float(self.sizes(start).min())
+
+
+def built_once(build: F) -> F:
+    """Make a function build the same for all tasks that differ in tolerances alone."""
+
+    def built(task: Task, stage: Stage, start: Array, *more: object) -> object:
+        key = build, stage, start.tobytes(), more, task.inequalities
+        if key not in task.built:
+            task.built[key] = build(task, stage, start, *more)
+        return task.built[key]
+
+    return cast("F", built)
 
 
 @dataclass(frozen=True)

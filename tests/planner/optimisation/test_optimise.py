@@ -276,10 +276,10 @@ def test_functions_of_stages_are_built_once_for_all_tolerances(optimiser):
 def test_margins_of_inequalities_are_for_states_that_are_free_to_move():
     """A first stage begins and a last one ends where it must, whatever is asked for."""
     ca, unit = pytest.importorskip("casadi"), 2.0
-    kept = SimpleNamespace(relaxed=False, expressions=lambda stage, state: [state[0]])
+    kept = Inequality("kept", lambda stage, state: [state[0]])
     task = SimpleNamespace(
         inequalities=(kept,), moved=(0,), overlapped=False, unit=lambda start: unit,
-        built=lambda key, build: build(),
+        built={},
     )  # fmt: skip
     states, asked = ca.SX.sym("states", 1, 3), np.array([[0.2], [0.4], [0.6]])
     rows = constraints.Constraints()
