@@ -95,9 +95,7 @@ class Writer:
 
 
 def _report(
-    run: Run,
-    warn: Callable[[str], object] = warnings.warn,
-    progress: Progress = silent,
+    run: Run, warn: Callable[[str], object] = warnings.warn, progress: Progress = silent
 ) -> None:
     """The page that explains a run; what fails here is a warning alone."""
     try:

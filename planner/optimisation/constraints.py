@@ -129,8 +129,6 @@ class Constraints:
         of its minimum, in tolerances. States are those at both ends of all occurrences
         of the stage, as columns; `stages` are their numbers, `start` as elsewhere.
         """
-        if not task.inequalities:
-            return
         function, kinds = _inequalities(task, stage, start)
         if not kinds:
             return
@@ -188,8 +186,9 @@ def _inequalities(
             found = inequality.expressions(stage, whole)
             parts += [part / unit + slack for part in found]
             kinds += [(place, number)] * len(found)
-    arguments = [begin, end, excess]
-    return ca.Function("inequalities", arguments, [ca.vertcat(*parts)]), kinds
+    return ca.Function(
+        "inequalities", [begin, end, excess], [ca.vertcat(*parts)]
+    ), kinds
 
 
 def path_distance(task: Task, path: Path) -> tuple[Expression, list[int]]:

@@ -166,13 +166,10 @@ class Program:
 
     def __init__(self, task: Task, path: Path, count: int, first: int = 0) -> None:
         self.task, self.path = task, path
-        self._start = path(0.0)
+        start = self._start = path(0.0)
         size = np.abs(path.at(np.linspace(0.0, 1.0, 20)) - self._start).max()
         self.unknowns = Unknowns(task, first, count, float(size))
-        self._stages = {
-            stage: stage_function(task, stage, self._start)
-            for stage in dict.fromkeys(self.unknowns.stages)
-        }
+        self._stages = {s: stage_function(task, s, start) for s in self.unknowns.stages}
         dearest = max(task.cost(s.stroke) for s in task.stages if s.stroke)
         self._width_cost = WIDTH_COST * dearest
         self._constraints = Constraints()

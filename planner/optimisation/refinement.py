@@ -115,11 +115,9 @@ class Refinement:
     def _checked(self, solution: Solution, number: int) -> tuple[Array, Array]:
         """States within a stage, shape (FINE_STEPS, m), and violations, shape (R,)."""
         stage = self.task.stage(solution.first + number)
-        function = _between(self.task, stage, self.path(0.0))
         begin = solution.states[number][self.task.moved]
-        states, *lacks = function.call(
-            [begin, solution.strokes[number], solution.recoveries[number]]
-        )
+        given = [begin, solution.strokes[number], solution.recoveries[number]]
+        states, *lacks = _between(self.task, stage, self.path(0.0)).call(given)
         return np.array(states).T, np.array([np.array(lack).max() for lack in lacks])
 
 

@@ -20,13 +20,7 @@ from sim.fitting.fitting import (
     fit_joints,
     write_card,
 )
-from sim.fitting.poses import (
-    Walked,
-    fit_poses,
-    log_of,
-    walked_of_log,
-    walked_of_run,
-)
+from sim.fitting.poses import Walked, fit_poses, log_of, walked_of_log, walked_of_run
 from sim.logs.log import Log
 from sim.logs.playing import scenario_of
 from sim.preparation.setup import Setup, prepare

@@ -204,11 +204,7 @@ class Feedback:
             self.pose = np.where(np.isnan(told), self.pose, told)
 
     def _take(
-        self,
-        off: Array,
-        sums: list[tuple[int, ...]],
-        noise: Array,
-        gated: bool = False,
+        self, off: Array, sums: list[tuple[int, ...]], noise: Array, gated: bool = False
     ) -> None:
         """Update by how far readings of sums of the state are off what is expected."""
         told = ~np.isnan(off)

@@ -38,19 +38,15 @@ def stability_margin(points: Array, contact: Array, center_of_mass: Array) -> Ar
     margin = np.empty(len(points))
     for begin in range(0, len(points), BLOCK):
         rows = slice(begin, begin + BLOCK)
-        margin[rows] = _margin(points[rows], contact[rows], center_of_mass[rows])
+        hulls = support_polygons(points[rows], contact[rows])
+        weight = shapely.points(center_of_mass[rows])
+        flat = shapely.get_dimensions(hulls) < 2
+        edges = np.where(flat, hulls, shapely.boundary(hulls))
+        distance = shapely.distance(weight, edges)
+        inside = ~flat & shapely.covers(hulls, weight)
+        signed = np.where(inside, distance, -distance)
+        margin[rows] = np.where(shapely.is_empty(hulls), -np.inf, signed)
     return margin
-
-
-def _margin(points: Array, contact: Array, center_of_mass: Array) -> Array:
-    hulls = support_polygons(points, contact)
-    weight = shapely.points(center_of_mass)
-    flat = shapely.get_dimensions(hulls) < 2
-    edges = np.where(flat, hulls, shapely.boundary(hulls))
-    distance = shapely.distance(weight, edges)
-    inside = ~flat & shapely.covers(hulls, weight)
-    margin = np.where(inside, distance, -distance)
-    return np.where(shapely.is_empty(hulls), -np.inf, margin)
 
 
 def carrying(points: Array, contact: Array, center_of_mass: Array) -> Array:

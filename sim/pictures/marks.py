@@ -21,15 +21,7 @@ from sim.obstacles.clearance import Solids
 from sim.palette import NOMINAL, THOUGHT, PathMark
 from sim.pictures.camera import Camera
 from sim.pictures.clock import FRAME_RATE, Clock
-from sim.pictures.drawing import (
-    Drawing,
-    Mark,
-    dashes,
-    discs,
-    join,
-    polygons,
-    ribbon,
-)
+from sim.pictures.drawing import Drawing, Mark, dashes, discs, join, polygons, ribbon
 from sim.runs.run import Run
 
 # In units of the robot's reach.
