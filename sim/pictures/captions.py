@@ -48,6 +48,7 @@ LAMP = 11  # radius of a foot's lamp [pixels]
 COLUMN = 180  # width of a number in the bar [pixels]
 SCALE = 50  # height of the scale bar's panel [pixels]
 TICK = 5  # half the height of the scale bar's ends [pixels]
+VEIL = (0.3, 0.8), (0.95, 0.5)  # share of the width, share of paper over a picture
 HEADLINE, STEP, MARGIN = 48, 38, 150  # of cards: type, lines, left edge [pixels]
 RESULTS = (
     "path_length",
@@ -84,10 +85,11 @@ class Captions:
         for panel in self._panels:
             panel.put(picture, row)
 
-    def card(self, frame: int) -> Array:
-        """The card of a frame that does not show the robot."""
+    def lay_card(self, picture: Array, frame: int) -> None:
+        """Lay the title, or the results, over the robot before or after its walk."""
         is_first = frame < self._clock.scene.start
-        return _card(_title(self._walk) if is_first else _results(self._walk))
+        words = _title(self._walk) if is_first else _results(self._walk)
+        picture[:] = _card(words, picture)
 
 
 def _title(walk: Run) -> list[str]:
@@ -115,9 +117,10 @@ def _results(walk: Run) -> list[str]:
     return [f"{walk.scenario.name}: {summary.verdict}", said, *further, "", *found]
 
 
-def _card(lines: Sequence[str]) -> Array:
-    """A picture of words alone: a headline, and lines below it."""
-    picture = Image.new("RGB", (WIDTH, HEIGHT), palette.PAPER)
+def _card(lines: Sequence[str], behind: Array) -> Array:
+    """A headline, and lines below it, on a picture that fades to the left."""
+    veil = np.interp(np.linspace(0, 1, WIDTH), *VEIL)[:, np.newaxis]
+    picture = Image.fromarray(np.uint8(veil * palette.PAPER + (1 - veil) * behind))
     draw = ImageDraw.Draw(picture)
     headline, *rest = (fitting(line, WIDTH - 2 * MARGIN, MIDDLE) for line in lines)
     y = HEIGHT // 2 - (HEADLINE + STEP * len(rest)) // 2

@@ -32,7 +32,7 @@ class Clock:
 
     @property
     def scene(self) -> range:
-        """The pictures that show the robot."""
+        """The pictures of the walk, which have no card."""
         return range(self.title, len(self.rows) - self.results)
 
     def frame_of(self, rows: Array) -> Array:

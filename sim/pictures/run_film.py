@@ -215,11 +215,12 @@ def _draw(piece: Piece) -> None:
     with closing(renderer), file.encoding(piece.path) as append:
         for frame in frames:
             if frame == frames[0] or not is_held(film_clock, view, frame):
-                picture = captions.card(frame)
+                row = int(film_clock.rows[frame])
+                picture = renderer.picture(frame, row)
                 if frame in film_clock.scene:
-                    row = int(film_clock.rows[frame])
-                    picture = renderer.picture(frame, row)
                     captions.write(picture, row)
+                else:
+                    captions.lay_card(picture, frame)
             append(picture)
             os.write(sys.stdout.fileno(), b".")
 

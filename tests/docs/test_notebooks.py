@@ -99,7 +99,9 @@ def test_the_page_without_a_server_computes_what_the_planner_does(tmp_path):
         name = "hexapod" if system is hexapod else "unicycle"
         np.testing.assert_allclose(found[name], end, atol=1e-9)  # the planner's
     assert all("sideways; bracket times area" in said for said in found["said"])
-    assert found["width"] == "0.9 rad, 0.27 rad"  # 30 % of twice the ranges
+    assert (
+        found["width"] == "unicycle 0.9 rad, hexapod 0.27 rad"
+    )  # 30 % of twice the ranges
 
 
 @pytest.mark.full

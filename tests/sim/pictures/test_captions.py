@@ -110,9 +110,13 @@ def test_the_key_has_six_entries_at_most(walk):
 
 def test_cards_say_what_is_walked_and_what_came_of_it(walk, film, view):
     captions, scene = Captions(walk, film, view), film.scene
-    title, results = (captions.card(frame) for frame in (0, len(film.rows) - 1))
-    assert title.shape == results.shape == (HEIGHT, WIDTH, 3)
+    behind = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
+    title, results = behind.copy(), behind.copy()
+    captions.lay_card(title, 0)
+    captions.lay_card(results, len(film.rows) - 1)
     assert (title != results).any()
+    assert (title[0, 0] > 0.9 * np.array(palette.PAPER)).all()
+    assert (title[0, -1] < 0.6 * np.array(palette.PAPER)).all()  # a robot is seen
     said = " ".join(_results(walk))
     assert said.count(walk.summary.verdict) == 1
     assert f"slip: {1e3 * walk.summary.achieved.slip:.1f} mm" in said
