@@ -132,7 +132,7 @@ def _badly_standing(kinematics: Kinematics) -> Iterator[tuple[str, str]]:
     if tilt > UPRIGHT:
         down = "upside down" if tilt > np.pi / 2 else "tilted"
         yield (
-            f"it starts {down}: the z axis of body {robot.root!r} is "
+            f"the robot starts {down}: the z axis of body {robot.root!r} is "
             f"{np.rad2deg(tilt):.3g} degrees off the vertical",
             "turn that body upright, where it is defined or in keyframe 'start'",
         )

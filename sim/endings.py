@@ -79,7 +79,7 @@ def way_on() -> str:
     """What is kept of unfinished work, and the command that goes on."""
     if kept := kept_work():
         return kept
-    return f"written files are complete, start again: {again()}"
+    return f"written files are complete; start again: {again()}"
 
 
 def kept_work() -> str:

@@ -216,5 +216,5 @@ def _failure(
     if error.errno not in (errno.ENOSPC, errno.EDQUOT):
         reason = f"cannot be written, {error.strerror}"
         return FilesError(reason, str(path), "choose another folder with --out")
-    needed = f", it needs {about}{size / 1e6:.1f} MB" if size else ""
+    needed = f", {about}{size / 1e6:.1f} MB needed" if size else ""
     return FilesError(f"disk full{needed}", str(path), "free some space, or use --out")

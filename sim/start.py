@@ -45,7 +45,7 @@ def main() -> int:
 
 def _end_early(number: int, frame: object) -> NoReturn:
     code, what = ENDS[signal.Signals(number)]
-    line = f"stratawalk: error: {what}; nothing was begun, start again: {again()}\n"
+    line = f"stratawalk: error: {what}; nothing was begun; start again: {again()}\n"
     os.write(2, line.encode())
     os._exit(code)
 

@@ -45,7 +45,7 @@ def check_text(path: Path) -> None:
     if odd := UNDECODED.search(text):
         byte, line = ord(odd[0]) - 0xDC00, text.count("\n", 0, odd.start()) + 1
         raise ModelError(
-            f"byte {byte:#x} is no text in UTF-8: {path}, line {line}; save it as such"
+            f"byte {byte:#x} is no text in UTF-8: {path}, line {line}; save it in UTF-8"
         )
     for tag in TAG.finditer(text):
         found = ATTRIBUTE.findall(tag[2])

@@ -150,7 +150,7 @@ def inspect_model(
         named = ", ".join(map(str, taken[:SHOWN]))
         more = f" and {len(taken) - SHOWN} more" if len(taken) > SHOWN else ""
         raise ModelError(
-            f"it opens files outside its own folder: {path}; {named}{more}; "
+            f"the model opens files outside its own folder: {path}; {named}{more}; "
             f"{limits.move}"
         )
     return Opened(tuple(sorted(files | {path})), tuple(taken))
@@ -160,7 +160,7 @@ def _tried(path: Path, limits: Limits) -> list[str]:
     """The files that a model opens, as the process that compiled it says."""
     too_large = ModelError(
         f"too large: {path}; it takes more than {limits.seconds} s or "
-        f"{limits.memory // 10**9} GB to compile, leave parts out"
+        f"{limits.memory // 10**9} GB to compile; leave parts out"
     )
     given = map(str, (path, limits.seconds, limits.memory))
     # No pictures, one thread, and this code whatever else is installed.
@@ -212,7 +212,7 @@ def examine(path: Path) -> list[Path]:
             f"too large: {path}; compiled it has {size / 1e9:.1f} GB, and "
             f"{HANDY / 1e9:g} GB are the most, leave parts out"
         )
-    with one_line(f"the engine cannot run it: {path}", "is <size memory> too small?"):
+    with one_line(f"MuJoCo cannot run the model: {path}", "too small a <size memory>?"):
         data = mujoco.MjData(model)
         for key in [*range(model.nkey), -1]:  # -1: as the file has it
             mujoco.mj_resetDataKeyframe(model, data, key)

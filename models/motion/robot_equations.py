@@ -152,8 +152,8 @@ def twist_at_rest(kinematics: Kinematics, stratum: str, direction: Direction) ->
     loads = static_loads(feet, stance.center_of_mass[None])
     if (loads > 1e-9).sum() < 3:
         raise ModelError(
-            f"it does not stand on groups {stratum} alone: {robot.path}; their feet do "
-            "not surround its weight, group other legs or give the twist of their swing"
+            f"the robot cannot stand on groups {stratum}: {robot.path}; their feet do "
+            "not surround its weight; group other legs or give the twist of their swing"
         )
     twist = least_dissipation_twist(feet, rates, loads)[0]
     # the last digits are the solver's and not the robot's

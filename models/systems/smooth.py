@@ -28,7 +28,7 @@ def car_with_trailers(trailers: int = 1, length: float = 1) -> Problem:
     """
     if not 1 <= trailers <= MOST_TRAILERS:
         raise ValueError(
-            f"trailers is {trailers}; give 1 to {MOST_TRAILERS}, or take the car"
+            f"trailers is {trailers}; give 1 to {MOST_TRAILERS}, or use the system car"
         )
     x, y, phi = sp.symbols("x y phi")
     headings = sp.symbols(f"theta_0:{trailers + 1}")

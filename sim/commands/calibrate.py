@@ -93,7 +93,7 @@ def _owned(robot: Robot, folder: RunFolder, options: argparse.Namespace) -> Robo
     """The robot whose card is written: a copy in the folder of one that is shipped."""
     source = robot.path
     if robot.has_card_inside:
-        remedy = f"move it to {source.with_suffix('.toml')}, and go on: {again()}"
+        remedy = f"move it to {source.with_suffix('.toml')}; then go on: {again()}"
         raise UsageError("the card is inside the robot's file", str(source), remedy)
     if source.parent != FOLDER:
         return robot
@@ -116,7 +116,7 @@ def _calibrated(
     ask, number = _Asker(options.answers), len(card.joints)
 
     def kept() -> str:
-        return f"{file} keeps {len(known)} of {number} servos, go on: {again()}"
+        return f"{file} keeps {len(known)} of {number} servos; go on: {again()}"
 
     with keeping(kept):
         if len(known) < number:
@@ -183,7 +183,7 @@ def _found(
             left.remove(joint)
     if left:
         where = f"channels {channels[0]} to {channels[-1]}"
-        remedy = f"connect {'them' if len(left) > 1 else 'it'}, and go on: {again()}"
+        remedy = f"connect {'them' if len(left) > 1 else 'it'}; then go on: {again()}"
         raise UsageError(f"no servo was found for {', '.join(left)}", where, remedy)
 
 

@@ -28,7 +28,7 @@ KEY = "arrows from feet: a change of that leg\nfrom the middle: of body, floor, 
 def compare(options: argparse.Namespace) -> None:
     """Print the comparison, and write its page."""
     if len(options.runs) < 2:
-        what = "a single run is compared to nothing"
+        what = "a single run cannot be compared"
         newest = " ".join(map(str, reversed(cli.runs_in(Path(options.runs[0]))[:2])))
         two = f"write stratawalk compare {newest}" if " " in newest else ""
         raise UsageError(what, options.runs[0], two or "give two or more, or use show")

@@ -39,9 +39,9 @@ def export(options: argparse.Namespace) -> ExitCode:
 
     def kept() -> str:
         if not out.exists():
-            return f"nothing is written, start again: {again()}"
+            return f"nothing is written; start again: {again()}"
         on = again(*cli.elsewhere(str(out)))
-        return f"{out} is written and not played, start again: {on}"
+        return f"{out} is written and not played; start again: {on}"
 
     with bar(quiet=options.json) as progress, blame, keeping(kept):
         source = _source(options, progress)

@@ -44,17 +44,17 @@ def sweep(options: argparse.Namespace) -> ExitCode:
     workers = workers or len(os.sched_getaffinity(0))
     points = sweeping.points_of(asked, shard)
     folder = claim(Path(options.out), shard, options.resume)
-    far, first = "points that are done", None
+    far, first = "what is done is", None
 
     def kept() -> str:
         on = again(*([] if options.resume else ["--resume"]))
-        return f"{far} are kept in {options.out}, go on: {on}"
+        return f"{far} kept in {options.out}; go on: {on}"
 
     with bar(quiet=options.json) as progress, keeping(kept):
 
         def show(done: int, failed: int, count: int) -> None:
             nonlocal far, first
-            far = f"{done} of {count} points are done, they"
+            far = f"{done} of {count} points are done and"
             if first is None:
                 first = done  # which count for no pace
                 if not options.json:
@@ -128,10 +128,10 @@ def design(options: argparse.Namespace) -> None:
     found = list(islice(designs(robot.legs), options.designs))
     if not found:
         what = (
-            f"{len(robot.legs)} legs make no two groups of which each carries the body "
-            "while the other is lifted"
+            f"{len(robot.legs)} legs are too few for two groups, one of which carries "
+            "the body while the other is lifted"
         )
-        remedy = "take six legs or more; `stratawalk check` judges fewer as they are"
+        remedy = "take six legs or more; `stratawalk check` judges a robot as it is"
         raise UsageError(what, options.robot, remedy)
     rows = []
     with bar(quiet=options.json) as progress:

@@ -63,7 +63,7 @@ def tries_of(
         done = table.read_text("utf-8").count("\n") - 1 if table.is_file() else 0
         rest = "--draw", f"{draws[done]}", "--tries", f"{len(draws) - done}"
         on = again(*rest, *cli.elsewhere(options.out))
-        return f"{done} of {len(draws)} draws are kept in {table}, go on: {on}"
+        return f"{done} of {len(draws)} draws are kept in {table}; go on: {on}"
 
     with keeping(kept):
         for line in said:

@@ -67,7 +67,7 @@ def _walk(
     def kept() -> str:
         if (folder.path / "summary.json").exists():
             on = "show" if look is None else "film"
-            return f"the walk is complete, go on: stratawalk {on} {folder.path}"
+            return f"the walk is complete; go on: stratawalk {on} {folder.path}"
         return cli.kept_in(folder.path, options.out)
 
     with keeping(kept):
@@ -143,6 +143,6 @@ def judged(
         return cli.ended(ExitCode.SIMULATION, how, where, remedy)
     for name, weighed in {"the walk": summary.weighed, **(played or {})}.items():
         if weighed and (off := weighed.beyond(tolerance)):
-            how = f"{name} came out {off}, beyond --tolerance {tolerance:g}"
+            how = f"{name} was {off}, beyond --tolerance {tolerance:g}"
             return cli.ended(ExitCode.TOLERANCE, how, where, remedy)
     return ExitCode.OK

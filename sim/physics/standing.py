@@ -46,7 +46,7 @@ def check_standing(
         raise
     except mujoco.FatalError as error:
         reason = " ".join(str(error).split())
-        what = f"the engine cannot run it: {kinematics.robot.path}"
+        what = f"MuJoCo cannot run the model: {kinematics.robot.path}"
         raise ModelError(f"{what}; {reason}") from error
 
 
@@ -87,10 +87,10 @@ def _blame_the_timestep(
         with suppress(ModelError):
             _check_standing(kinematics, finer, lift)
             raise UsageError(
-                f"timestep = {asked:g} is too long for the servos of "
-                f"{kinematics.robot}, which are unstable with it and make it fall",
+                f"timestep = {asked:g} is too long: the servos of "
+                f"{kinematics.robot} are unstable, and the robot falls",
                 "timestep",
-                f"give at most {timestep:g}, at which it stands",
+                f"give at most {timestep:g}, at which the robot stands",
             ) from refusal
 
 
@@ -104,7 +104,7 @@ def with_timestep(model: mujoco.MjModel, timestep: float) -> mujoco.MjModel:
 
 def _refuse(robot: Robot, problems: Iterable[tuple[str, str]]) -> None:
     for what, remedy in problems:
-        raise ModelError(f"it does not stand: {what}: {robot.path}; {remedy}")
+        raise ModelError(f"the robot does not stand: {what}: {robot.path}; {remedy}")
 
 
 def _refuse_obstacles(model: mujoco.MjModel, data: mujoco.MjData) -> None:

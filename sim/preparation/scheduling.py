@@ -141,7 +141,7 @@ def check_distance(setup: Setup) -> None:
         return
     what = (
         f"a path of {scenario.path.length:g} m takes {travel:.2g} rad of strokes or "
-        f"more, and at most {MOST_TRAVEL:,} are planned"
+        f"more, and at most {MOST_TRAVEL:,} rad are planned"
     )
     raise UsageError(what, f"scenario {scenario.name!r}", "bring the goal nearer")
 

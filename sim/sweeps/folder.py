@@ -159,7 +159,7 @@ class SweepFolder:
         """
         before = About.read(self.about)
         if before not in (None, about) and not mix:
-            what = f"begun as something else, {'; '.join(before.differences(about))}"
+            what = f"begun with something else, {'; '.join(before.differences(about))}"
             remedy = "choose another folder, or mix them in one table with --force-mix"
             raise UsageError(what, str(self.path), remedy)
         self.write_about(about)

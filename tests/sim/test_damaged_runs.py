@@ -283,5 +283,5 @@ def test_the_model_of_a_run_opens_no_files_outside_its_folder(
     model.write_text(model.read_text().replace("</mujoco>", opening))
     assert main(COMMANDS[command]) == 3
     said = capsys.readouterr().err
-    assert "it opens files outside its own folder: " in said
+    assert "the model opens files outside its own folder: " in said
     assert "secret.png; walk the scenario again" in said

@@ -131,7 +131,7 @@ def test_process_that_dies_halfway_leaves_no_file_under_its_name(tmp_path):
 
 def test_file_too_large_for_the_disk_is_refused_with_its_size(tmp_path):
     with (
-        pytest.raises(FilesError, match=r"disk full, it needs 10{12}\.0 MB: .*a.npz"),
+        pytest.raises(FilesError, match=r"disk full, 10{12}\.0 MB needed: .*a.npz"),
         whole(tmp_path / "a.npz", size=10**18),
     ):
         pass
@@ -140,13 +140,13 @@ def test_file_too_large_for_the_disk_is_refused_with_its_size(tmp_path):
 
 def test_work_that_there_is_no_room_for_is_refused(tmp_path):
     RunFolder(tmp_path).reserve(1000)
-    with pytest.raises(FilesError, match=r"disk full, it needs 10{12}\.0 MB"):
+    with pytest.raises(FilesError, match=r"disk full, 10{12}\.0 MB needed"):
         RunFolder(tmp_path).reserve(10**18)
 
 
 def test_disk_that_fills_up_halfway_leaves_no_file(tmp_path):
     full = OSError(errno.ENOSPC, "No space left on device")
-    with pytest.raises(FilesError, match=r"disk full, it needs 2\.0 MB: .*; free some"):
+    with pytest.raises(FilesError, match=r"disk full, 2\.0 MB needed: .*; free some"):
         write_half(tmp_path / "a.npz", full)
     assert names(tmp_path) == []
 
@@ -166,7 +166,7 @@ def test_only_an_empty_folder_is_discarded(tmp_path):
 
 def test_a_disk_that_fills_up_is_told_how_much_the_file_may_need(tmp_path):
     with (
-        pytest.raises(FilesError, match=r"disk full, it needs up to 5\.0 MB: .*a.npz"),
+        pytest.raises(FilesError, match=r"disk full, up to 5\.0 MB needed: .*a.npz"),
         whole(tmp_path / "a.npz", at_most=lambda: 5_000_000),
     ):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
@@ -178,7 +178,7 @@ def test_what_arrays_may_need_counts_those_not_yet_written(tmp_path):
         yield "second", Pieces((250_000, 2), _full())
         yield "third", np.zeros(125_000)
 
-    with pytest.raises(FilesError, match=r"disk full, it needs up to 5\.0 MB"):
+    with pytest.raises(FilesError, match=r"disk full, up to 5\.0 MB needed"):
         RunFolder(tmp_path).write_arrays("a.npz", arrays())
 
 

@@ -237,7 +237,7 @@ def test_signal_ends_a_run_with_one_line_and_whole_files(tmp_path, sent, code):
     assert process.returncode == code
     (line,) = told(stderr)
     assert line.startswith("stratawalk: error: ")
-    assert re.search("; here keeps .*model.xml.*, start again: ", line)
+    assert re.search("; here keeps .*model.xml.*; start again: ", line)
     assert line.endswith(f": stratawalk {' '.join(words)}-2")
     assert [p.name for p in (tmp_path / "here").iterdir() if ".part" in p.name] == []
 

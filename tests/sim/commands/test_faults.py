@@ -62,7 +62,7 @@ def test_a_timestep_that_no_walk_would_survive_is_refused(stratawalk):
 def test_an_engine_without_room_is_a_bad_model(stratawalk, robot):
     done = stratawalk("robots", robot("<worldbody>", '<size memory="20K"/><worldbody>'))
     assert done.returncode == 3
-    assert "the engine cannot run it: " in refusal(done)
+    assert "MuJoCo cannot run the model: " in refusal(done)
 
 
 def test_a_gain_that_overflows_is_a_bad_card(stratawalk, robot):
@@ -176,7 +176,7 @@ def test_a_signal_while_the_command_loads_is_one_line(tmp_path, number, code):
         [sys.executable, "-c", program], capture_output=True, text=True, env=OUTSIDE
     )
     assert (done.returncode, done.stdout) == (code, "")
-    assert refusal(done).endswith("nothing was begun, start again: stratawalk robots")
+    assert refusal(done).endswith("nothing was begun; start again: stratawalk robots")
 
 
 def test_a_library_that_was_stopped_halfway_says_nothing_more(stratawalk, tmp_path):

@@ -107,7 +107,7 @@ def test_a_hidden_board_is_found_to_half_a_count(calibrate, clock):
 def test_work_that_stops_goes_on_with_what_is_kept(calibrate, capsys):
     board = Board(2)
     assert calibrate(board.owner(stop=7), ROBOT) == 2
-    said = "calibration/hexapod-classroom.toml keeps 1 of 12 servos, go on: stratawalk"
+    said = "calibration/hexapod-classroom.toml keeps 1 of 12 servos; go on: stratawalk"
     assert said in told_of(capsys)
     asked, answer = [], board.owner()
 

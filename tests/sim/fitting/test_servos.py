@@ -165,7 +165,10 @@ def test_logs_in_counts_are_fitted_as_those_in_radians(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["log.csv"], "'log.csv' is no robot, and a log does not name its own"),
+        (
+            ["log.csv"],
+            "'log.csv' is neither a robot nor a run, and a log names no",
+        ),
         (["hexapod-classroom"], "nothing to fit: hexapod-classroom; name a LOG"),
         (
             ["hexapod-classroom", "log.csv"],

@@ -278,5 +278,5 @@ def test_a_sweep_that_is_interrupted_says_how_far_it_is_and_how_to_go_on(tmp_pat
     assert process.returncode == 130
     (line,) = told(said)
     on = f"stratawalk sweep {file} --out {tmp_path / 'out'} --workers 1 --resume"
-    assert f"1 of 2 points are done, they are kept in {tmp_path / 'out'}, " in line
+    assert f"1 of 2 points are done and kept in {tmp_path / 'out'}; " in line
     assert line.endswith(f"go on: {on}")

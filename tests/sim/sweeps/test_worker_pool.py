@@ -158,7 +158,7 @@ def test_a_scheduler_that_is_lost_takes_no_point_with_it(tmp_path):
     assert process.returncode == 8
     (line,) = told(said)
     assert line.startswith("stratawalk: error: the scheduler is gone, ")
-    assert "1 of 2 points are done, they are kept in " in line
+    assert "1 of 2 points are done and kept in " in line
     assert line.endswith(f"go on: stratawalk {' '.join(map(str, words))} --resume")
     assert len(read_ledger(ledger)) == 1
 
