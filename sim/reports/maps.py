@@ -39,7 +39,7 @@ NOTE = (
     "about it: it moves forward and back, and parks sideways."
 )
 SHARES = (
-    "To the right the share of the walk that is done [%]; the largest in each segment, "
+    "Over the share of the walk that is done [%]: the largest in each segment, "
     "or in each phase of a walk of few segments."
 )
 
@@ -80,8 +80,8 @@ def errors(run: Run) -> Iterator[Drawing]:
             kind = "segment" if len(starts) == run.segments else "phase"
             along = "length of the path [mm]" if length else f"number of the {kind}"
             note = (
-                f"To the right the {along}. Lines join the ends of its "
-                f"{len(starts)} {kind}s, pale bands hold all that lies between. "
+                f"To the right: {along}. Lines join the ends of the "
+                f"{len(starts)} {kind}s; pale bands hold all that lies between. "
                 "Forward and to the left count as positive."
             )
             both = (keys, note) if word == WAYS[-1] else ([], "")

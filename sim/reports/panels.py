@@ -133,7 +133,7 @@ def _margin(run: Run) -> Drawing:
         (MM * run.margin, look, Key.of(ACHIEVED, "achieved")),
         (MM * run.arrays[best.array("margin")], mark.line(), key),
     ]
-    limits = {0.0: ("--", "limit: below 0 it tips over")}
+    limits = {0.0: ("--", "limit: below 0 the robot tips over")}
     if asked := run.settings.get("min_margin"):
         limits[MM * asked] = ":", f"least that was asked for, {MM * asked:g} mm"
     least = number(MM * run.summary.achieved.min_margin, 1)
@@ -160,8 +160,8 @@ def _slip(run: Run) -> Drawing:
     )
     if (floor := run.summary.achieved.creep_floor) is not None:
         note += (
-            f" Standing still for as long, all feet together creep by "
-            f"{MM * floor:.3g} mm: that much is the solver's."
+            f" If the robot stood for as long, its feet would creep by "
+            f"{MM * floor:.3g} mm, because of the solver."
         )
     heading = "Slip of each group's feet together, since the start [mm]"
     return _curves(run, heading, curves, note, bottom=0)

@@ -128,7 +128,7 @@ def _points(
         cells = (toml_value(value) for value in settings.values())
         off, word = 100 * results.off[i], results.columns["verdict"][i]
         rows.append((str(number), f"{off:.3g} %", str(word), *cells, link))
-    heads = "point", "farthest off", "verdict", *results.keys, "look at it"
+    heads = "point", "farthest off", "verdict", *results.keys, "report or command"
     return Table(heads, rows)
 
 
