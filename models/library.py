@@ -43,7 +43,7 @@ def load(
     Args:
         name: Name or path.
         allow_external: Whether a user's own may open files outside its folder.
-        geometry: Numbers of a shipped robot's shape that are to be others, by name.
+        geometry: Numbers of a shipped robot's shape that are changed, by name.
 
     Raises:
         UnknownRobotError: If there is no such robot or file.

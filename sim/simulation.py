@@ -120,7 +120,7 @@ def simulate(
         without: Comparisons to leave out, which cost physics of their own: the
             prediction `identified`, and `creep_floor`.
         shared: What earlier walks have built.
-        log: What its `motion` is read from otherwise, if it plays one.
+        log: The log of its `motion`, if that is read already.
 
     Raises:
         PlannerError: If there is no plan.
@@ -185,7 +185,7 @@ def play(
             angle of each joint [rad], by its name, at a time [s].
         duration: How long a function is played [s].
         progress: Called with each stage and the finished part of it.
-        **changes: Settings of a scenario that are not to have their defaults.
+        **changes: Settings of a scenario that replace their defaults.
 
     Raises:
         UsageError: If the motion or a setting is impossible.

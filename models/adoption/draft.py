@@ -69,8 +69,8 @@ def draft_card(source: Source) -> Draft:
         source: Its file.
 
     Raises:
-        ModelError: It has no legs that this project can move, no groups that stand, or
-            no posture to stand in; it says which.
+        ModelError: The robot has no legs that this project can move, no groups that
+            stand, or no posture to stand in; the message says which.
 
     Example:
         >>> from models import draft_card, load, source_of

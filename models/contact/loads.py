@@ -135,9 +135,9 @@ class PaperStance:
     """Lengths of the paper's hexapod, in any one unit.
 
     Attributes:
-        body_length: From the front legs' hips to the rear ones', l_b.
-        leg_length: From hip to foot, l.
-        half_width: Of the body, at which the hips sit.
+        body_length: Distance from the front hips to the rear hips, l_b.
+        leg_length: Distance from hip to foot, l.
+        half_width: Distance of the hips from the middle line of the body.
 
     Raises:
         ValueError: A length is not positive.

@@ -57,7 +57,7 @@ class ServoKind:
         signal: `pulse` for those of a PCA9685, `bus` for ticks on a bus.
         volts: Voltage that torque and speed belong to; 0 where it is not known [V].
         dead_band: Whole width of the error in which it gives no torque [rad].
-        backlash: Of its gears; 0 where nobody says [rad].
+        backlash: That of the gears; 0 where it is not known [rad].
         profile_speed: Largest speed that it is set to go at; 0 for none [rad/s].
         armature: Inertia of the rotor behind the gears; 0 where nobody has measured it
             [kg m^2].

@@ -205,7 +205,7 @@ class Mobility:
     Attributes:
         costs: Strokes for a metre of x and y, and for a radian of yaw.
         lacking: What the robot cannot do, such as `go sideways`; empty if nothing.
-        reason: Why it cannot, in words; empty if nothing lacks.
+        reason: Why it cannot, in words; empty if nothing is lacking.
 
     Example:
         >>> from models import equations, load, mobility_of

@@ -139,7 +139,7 @@ class FailedField:
 
 @dataclass(frozen=True)
 class IdentifiedTwists:
-    """Measured fields added up; the angles of other groups are taken not to matter.
+    """Sums of measured fields, as if the angles of other groups did not matter.
 
     Example:
         >>> from models import IdentifiedTwists

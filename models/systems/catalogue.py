@@ -78,7 +78,7 @@ def shipped_system(name: str, values: Mapping[str, object] | None = None) -> Pro
 
     Args:
         name: Name of the system.
-        values: Parameters that are not to have their defaults.
+        values: Parameters that replace their defaults.
 
     Raises:
         ProblemError: There is no such system, or a parameter is unknown or impossible.

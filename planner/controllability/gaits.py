@@ -100,8 +100,8 @@ def gait_controllability(
 ) -> Controllability:
     """Whether a gait is controllable from a configuration (Sec. 4).
 
-    The gait is strata in order, first and last the same (eq. 11), and the configuration
-    (n,) one in the first. Brackets are formed to the highest degree given, if no lower
+    The gait lists strata in order, the first again at the end (eq. 11). The first has the
+    configuration (n,). Brackets are formed to the highest degree given, if no lower
     degree decides.
 
     Raises:

@@ -51,7 +51,7 @@ def hall_fields(
 ) -> HallFields:
     """The Hall basis up to a degree over some of a system's fields, named once each.
 
-    `ValueError` says that there would be more elements than the most that are wanted.
+    `ValueError` says that there would be more elements than `most`.
 
     Example:
         >>> from planner import StratifiedSystem, hall_fields

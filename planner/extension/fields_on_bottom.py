@@ -121,8 +121,8 @@ def tangent_field(
     empty.
 
     Raises:
-        StratumError: It is open which fields lift on its stratum; the system's `lifts`
-            say it.
+        StratumError: It is unclear which fields lift on its stratum; give them in the
+            system's `lifts`.
 
     Example:
         >>> from planner import StratifiedSystem, tangent_field

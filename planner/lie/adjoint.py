@@ -50,8 +50,8 @@ def adjoint_action(
 ) -> Terms:
     """Ad(e^(h B)) of a sum of terms, e^(h B) (sum) e^(-h B), eq. (8).
 
-    Eq. (8) has Ad(e^(-h B)), which gives the sum from the rates. To recover the rates
-    from the sum takes its inverse, which is this.
+    Eq. (8) has Ad(e^(-h B)), which gives the sum from the rates. This is its inverse,
+    which recovers the rates from the sum.
 
     The structure constants of B are the coefficients of [B, B_j] for each j, and terms
     are coefficients by index.

@@ -62,7 +62,7 @@ def ellipse_perimeter(semi_axes: Sequence[float]) -> float:
 def waypoints(points: Sequence[ArrayLike]) -> Path:
     """Straight lines from each configuration to the next, s proportional to length.
 
-    There are two at least, of one size; repetitions are ignored.
+    At least two configurations are given, of equal size; repetitions are ignored.
 
     Raises:
         ValueError: Fewer than two points, unequal sizes, or values not finite.

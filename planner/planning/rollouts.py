@@ -45,7 +45,7 @@ NODES = 10, STEP_NODES  # of a flow; few suffice in a plan of many segments
 def rollout(plan: Plan, samples: int = 1) -> Array:
     """States along a plan, shape (1 + samples * flows, n).
 
-    After the start there are so many for each flow, the last of them at its end.
+    After the start there are `samples` for each flow, the last of them at its end.
 
     Example:
         >>> from planner import StratifiedSystem, line, plan, rollout

@@ -163,8 +163,8 @@ def steer(
 
     A shot must at least halve the distance to its target. A shot that does not is
     longer than the critical step; it is discarded, and the next one is half as long.
-    Where the critical step is so short that the shots stall, the straight line is aimed
-    along instead, in as few segments as can be aimed.
+    Where the critical step is so short that the shots stall, the straight line is cut
+    into segments instead, as few as `aim` can meet.
 
     Start and goal have shape (n,), and the goal is missed by the tolerance at most, in
     the metric. The coordinates of the execution are not `fewest`.

@@ -43,7 +43,7 @@ def subdivide(cuts: Array, slacks: Callable[[Array], Sequence[Slack]]) -> Array:
     """Cut the segments that do not keep a bound, until all segments keep all bounds.
 
     The cuts are parameters from 0 to 1, ascending, at first and as returned; `slacks`
-    plans along a path that is divided so, and gives the slack of each bound.
+    plans along a path with these cuts, and gives the slack of each bound.
 
     Raises:
         BoundError: More than `MOST_DIVIDED` segments would be needed.

@@ -93,8 +93,8 @@ def contact_switches(
     """Number of lift-offs and touchdowns that a sequence of flows implies, eq. (12).
 
     The first lift-off and the final touchdown are included. Start and goal are strata,
-    the bottom one if empty. Between strata the system's graph has the shortest way; a
-    gait is followed through strata without flows, too.
+    the bottom one if empty. The shortest way in the system's graph joins two
+    strata; a gait is followed through strata without flows, too.
 
     Example:
         >>> from planner import Flow, StratifiedSystem, contact_switches

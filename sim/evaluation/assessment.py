@@ -135,8 +135,8 @@ def evaluate(
 
     Args:
         walk: A finished walk.
-        without: What to leave out of that on which nothing else depends: predictions,
-            and `creep_floor`, which the robot stands for as long as it walked.
+        without: What to leave out: predictions that nothing else needs, and
+            `creep_floor`, for which the robot stands for as long as it walked.
         shared: What earlier evaluations have built.
         progress: Called with the stage and the finished part of it.
 

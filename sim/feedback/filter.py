@@ -78,7 +78,7 @@ class Learnt:
 
 
 class Feedback:
-    """Says where to go next, from what was meant and what was seen.
+    """Estimates pose and errors of segments from planned and measured motion.
 
     Poses are x, y [m] and yaw [rad] in the frame in which the walk starts.
 
@@ -91,9 +91,9 @@ class Feedback:
 
     Attributes:
         pose: Estimate of the pose, (..., 3).
-        bias: Estimate of b, (..., 3).
-        slope: Estimate of A, (..., 3, 3).
-        scatter: Standard deviation of what a segment misses about that, (3,).
+        bias: Estimate of b in the error b + A u of a segment along u, (..., 3).
+        slope: Estimate of A in the same error, (..., 3, 3).
+        scatter: Standard deviation of the error about b + A u, (3,).
         covariance: Of pose, b, A by rows, offset and rate, (..., 17, 17).
 
     Example:

@@ -67,7 +67,7 @@ class Curve:
 def least_time(setup: Setup, within: float, yaw: float = inf) -> float:
     """Time that any walk along the path takes at least [s], without holds.
 
-    The body may stray `within` from the path [m], and turn from its yaw [rad].
+    The body may depart from the path by `within` [m], and from its yaw [rad].
 
     Example:
         >>> from sim import least_time, load_scenario, prepare

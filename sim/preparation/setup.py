@@ -224,13 +224,13 @@ def prepare(
         scenario: What to walk.
         robot: The scenario's robot, if it is loaded already.
         shared: What earlier walks have built.
-        log: What its `motion` is read from otherwise, if it plays one.
+        log: The log of its `motion`, if that is read already.
 
     Raises:
         UnknownRobotError: If there is no such robot.
         ModelError: If the robot cannot be used.
         UsageError: If a setting asks for what the robot cannot do.
-        SimulationError: If its strokes reach some directions only.
+        SimulationError: If its strokes do not reach every direction.
 
     Example:
         >>> from sim import load_scenario, prepare

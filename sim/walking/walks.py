@@ -164,7 +164,7 @@ def walk(robot: Robot, plan: Plan, progress: Progress = silent, **changes: Any) 
         robot: Robot that the plan is for.
         plan: Flows of its equations.
         progress: Called with each stage and the finished part of it.
-        **changes: Settings of a scenario that are not to have their defaults, such as
+        **changes: Settings of a scenario that replace their defaults, such as
             `friction=0.5`.
 
     Raises:
