@@ -100,7 +100,7 @@ def gait_controllability(
 ) -> Controllability:
     """Whether a gait is controllable from a configuration (Sec. 4).
 
-    The gait lists strata in order, the first again at the end (eq. 11). The first has the
+    A gait lists strata in order, the first again at the end (eq. 11). The first has the
     configuration (n,). Brackets are formed to the highest degree given, if no lower
     degree decides.
 
