@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from sim.folder import RunFolder
 from sim.run_folder import run
 from sim.scenarios.body_path import line
 from sim.scenarios.scenario import Scenario
+from sim.templates import render
 from tests.walks import COSTLY
 
 SHORT = (
@@ -94,6 +96,25 @@ def test_what_whole_counts_cost_is_told(classroom, tmp_path, capsys):
     said = capsys.readouterr().out
     assert "since angles are rounded to counts of 1.53 mrad: plan on whole" in said
     assert "--set resolution=0.00153398" in said  # a turn over 4096
+
+
+@pytest.mark.parametrize(
+    ("rated", "coarse", "remedy"),
+    [
+        (0.0, 0.0, ": plan at this rate with --set command_rate=50"),
+        (0.0, 0.002, "its counts with --set command_rate=50 --set resolution=0.002"),
+        (50.0, 0.002, ": plan on whole counts with --set resolution=0.002"),
+        (50.0, 0.0, "from the end of the walk itself"),  # nothing that a setting mends
+    ],
+)
+def test_what_an_export_costs_is_told_with_all_that_mends_it(rated, coarse, remedy):
+    played = SimpleNamespace(bounces=0, changed=0.02)
+    commands = SimpleNamespace(angles=[], joints=(), rate=50.0)
+    shown = [("exported", played, "")]
+    found = {"rated": rated, "coarse": coarse, "commands": commands, "played": shown}
+    text = render("export.txt", scenario="line", robot="hexapod", file="f", **found)
+    (line,) = (line for line in text.splitlines() if "2 % of the path" in line)
+    assert line.endswith(remedy)
 
 
 def test_a_walk_that_did_not_arrive_is_exported_with_a_warning(
