@@ -141,7 +141,7 @@ def _clock(ask: _Asker) -> float | None:
             raise ValueError(f"a clock is from {low:g} to {high:g} Hz, not {clock:g}")
         return clock
 
-    return ask("clock of the board, k in the sketch [MHz, or nothing]: ", read)
+    return ask("clock of the board, by k in the sketch [MHz, or nothing]: ", read)
 
 
 def _found(

@@ -136,7 +136,7 @@ class Settings:
         "recover lifted legs while others stroke", False, "plan", formerly="together"
     )
     correct: Annotated[int, Range(1, 20)] = setting(
-        "number of walks; each is aimed to cancel the error of the last", 1, "plan"
+        "number of walks; each aims to cancel the error of the one before", 1, "plan"
     )
     friction: Annotated[float, Range(0, 10)] = setting(
         "coefficient of sliding friction of feet and floor", 1.0, "world"

@@ -37,7 +37,7 @@ def test_a_divergence_leaves_what_led_to_it_and_says_how_to_see_it_again(
 
 SOFT = {
     "servos too soft to lift": ("servo_stiffness=1e-9", 3, "bend by more than lift"),
-    "a timestep too long": ("timestep=0.004", 2, "give at most 0.002, at which it s"),
+    "a timestep too long": ("timestep=0.004", 2, "give at most 0.002, at which the"),
 }
 
 
