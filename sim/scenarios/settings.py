@@ -52,7 +52,7 @@ class Settings:
         "order of the flows: with centred strokes, or as in the paper", None, "plan"
     )
     words: Literal["printed", "shortest", "symmetric"] = setting(
-        "flows: printed, shortest, or mirrored in alternate segments", "printed", "plan"
+        "flows: the paper's, the shortest, or alternately mirrored", "printed", "plan"
     )
     degree: Annotated[int, Range(1, 8)] | None = setting(
         "degree of the nilpotent approximation, Sec. 6", None, "equations"
