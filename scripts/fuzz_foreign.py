@@ -181,8 +181,8 @@ FILES = (
 )
 READERS = (
     *(["show", "--no-browser"], ["compare", "mine"], ["cite"], ["sensitivities"]),
-    *(["view", "--replay", "--no-browser"], ["fit"]),
     ["export", "--format", "csv", "--no-play", "--out", "walk.csv"],
+    ["view", "--replay", "--no-browser"],
 )
 FOREIGN: dict[str, Callable[[Path, random.Random], list[str] | str]] = {
     "adopt-mjcf": partial(adopted, urdf=False),
