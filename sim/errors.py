@@ -170,8 +170,8 @@ def _describe(error: BaseException) -> str:
         notes = "".join(f", {note}" for note in getattr(error, "__notes__", ()))
         return f"{_SIGNALS[code]}{notes}"
     if isinstance(error, OSError):
-        gone = "the working folder" if error.errno == errno.ENOENT else "no file named"
-        place = error.filename or gone
+        gone = {errno.ENOENT: "the working folder", errno.ENOSPC: "standard output"}
+        place = error.filename or gone.get(error.errno or 0, "no file named")
         remedy = "free some space" if error.errno == errno.ENOSPC else "check the path"
         return f"{error.strerror or error}: {place}; {remedy}"
     if isinstance(error, MemoryError):
