@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.adoption.anatomy import Limb, Pose
+from models.adoption.anatomy import Limb, Pose, lift_room
 from models.adoption.crawl import Crawl
 from models.adoption.groups import LEAST_LOAD, Reach, Stand, Swings
 from models.description.card import Servo
@@ -95,11 +95,7 @@ def rowing(limbs: Sequence[Limb], crawl: Crawl) -> GaitDraft:
 
 def drafted_lift(pose: Pose, limbs: Sequence[Limb]) -> float:
     """An angle that all lift joints have left for lifting, 0.3 rad if they can."""
-    rooms = []
-    for limb in limbs:
-        (low, high), angle = pose.span(limb.lift), pose.angle(limb.lift)
-        rooms.append(high - angle if limb.up > 0 else angle - low)
-    return min(LARGEST_LIFT, 0.95 * min(rooms))
+    return min(LARGEST_LIFT, 0.95 * lift_room(pose, limbs))
 
 
 def card_text(

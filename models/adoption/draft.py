@@ -9,11 +9,14 @@ from itertools import chain
 import numpy as np
 
 from models.adoption.anatomy import (
+    DEEPEST,
     Limb,
     Pose,
+    depth,
     drafted_servo,
     find_limbs,
     servo_stiffness,
+    spread_angles,
     standing_angles,
     stands,
 )
@@ -32,7 +35,7 @@ from models.description.card_file import parse_card
 from models.description.compiled import compile_model, named, root_body
 from models.description.robot import Robot, start_key
 from models.errors import ModelError
-from models.motion.robot_equations import Mobility, equations, mobility_of
+from models.motion.robot_equations import equations, mobility_of
 from planner import PlannerError
 
 SHORT = 0.05  # of the longest leg as seen from above: shorter ones push nothing
@@ -48,12 +51,6 @@ class Draft:
         guesses: What was guessed, one line each.
         limbs: Legs in the order of their numbers, where the robot starts.
         gait: How it is to walk.
-
-    Example:
-        >>> from models import draft_card, load, source_of
-        >>> draft = draft_card(source_of(str(load("hexapod").path)))
-        >>> draft.card.splitlines()[1]
-        'lift_angle = 0.3'
     """
 
     card: str
@@ -91,6 +88,14 @@ def draft_card(source: Source) -> Draft:
         angles = standing_angles(pose, limbs, name)
         pose.turn(angles)
         guesses.append("the file puts the feet at different heights: knees were bent")
+    if depth(pose, limbs) > DEEPEST:
+        spread = spread_angles(pose, limbs)
+        angles |= spread
+        guesses.append(
+            "feet stand more than twice as far below their lift joints as beside them, "
+            "so that they jam on the floor and bounce: "
+            + ("lift joints were turned up" if spread else "build legs that reach out")
+        )
     limbs = _numbered(find_limbs(pose, name))
     way = _gait(pose, limbs, name)
     gait = rowing(limbs, way) if isinstance(way, Crawl) else alternating(limbs, way)
@@ -122,8 +127,8 @@ def draft_card(source: Source) -> Draft:
             f"--set servo_stiffness={float(f'{suited.stiffness:.3g}'):g} "
             f"--set servo_damping={suited.damping:.3g} shows whether that is the cause"
         )
-    text = card_text(pose, limbs, gait, angles, servo)
-    return Draft(text, tuple(guesses), limbs, gait)
+    card = card_text(pose, limbs, gait, angles, servo)
+    return Draft(card, tuple(guesses), limbs, gait)
 
 
 def _gait(
@@ -169,32 +174,22 @@ def _numbered(limbs: Sequence[Limb]) -> tuple[Limb, ...]:
 UNITS = {"x": "metre forward", "y": "metre sideways", "theta": "radian of yaw"}
 
 
-@dataclass(frozen=True)
-class Proposal:
-    """Groups and posture that `draft_card` would give a robot."""
+def propose(robot: Robot) -> str:
+    """What strokes cost with the groups and posture of `draft_card`, in words.
 
-    turned: float  # how far its legs are turned at most from where they stand [rad]
-    mobility: Mobility  # what the robot can do then
-
-    def __str__(self) -> str:
-        costs = ", ".join(
-            f"{cost.strokes:,.0f} strokes a {UNITS[cost.direction]}"
-            for cost in self.mobility.costs
-        )
-        turned = f"with its legs turned by up to {np.rad2deg(self.turned):.0f} degrees"
-        return f"{turned} it would take {costs}"
-
-
-def propose(robot: Robot) -> Proposal | None:
-    """What adopting the robot anew would give; None where a direction would lack."""
+    Empty where the robot could not go everywhere with them either.
+    """
     try:
         draft = draft_card(Source(robot.path, robot.path, None))
         card = parse_card(draft.card, "draft")
         posed = replace(robot, card_text=draft.card, card=card)
         found = mobility_of(posed, equations(posed))
     except (ModelError, PlannerError):
-        return None
+        return ""
     if found.lacking:
-        return None
-    turned = float(np.abs(draft.gait.turns).max())
-    return Proposal(turned, found)
+        return ""
+    turned = np.rad2deg(np.abs(draft.gait.turns).max())
+    costs = ", ".join(
+        f"{cost.strokes:,.0f} strokes a {UNITS[cost.direction]}" for cost in found.costs
+    )
+    return f"with its legs turned by up to {turned:.0f} degrees it would take {costs}"

@@ -120,12 +120,10 @@ def _worth(first: Sequence[Stand], second: Sequence[Stand]) -> Array:
     """Way sideways of a rectangle of two full swings, less for legs much turned."""
     one, other = (np.array([stand.pivot for stand in s]) for s in (first, second))
     turn, back = (np.array([s.yaw * s.swing for s in side]) for side in (first, second))
-    bend, bent = (
-        np.array([np.abs(stand.turns).max() for stand in s]) for s in (first, second)
-    )
+    bends = ([np.abs(stand.turns).max() for stand in s] for s in (first, second))
     apart = np.linalg.norm(one[:, None] - other, axis=-1)
-    most: Array = np.maximum(bend[:, None], bent)
-    return apart * turn[:, None] * back * np.exp(-most)
+    worth: Array = apart * turn[:, None] * back * np.exp(-np.maximum.outer(*bends))
+    return worth
 
 
 class _Legs(NamedTuple):

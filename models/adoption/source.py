@@ -11,7 +11,7 @@ import os
 import re
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass
-from math import atan2, hypot, sqrt
+from math import atan2, hypot
 from pathlib import Path
 from tempfile import NamedTemporaryFile
 
@@ -46,11 +46,6 @@ class Source:
         path: MJCF that the card will stand beside.
         text: That MJCF, where it has yet to be written; None if it is the given file.
         notes: What had to be made up, a sentence each.
-
-    Example:
-        >>> from models import load, source_of
-        >>> source_of(str(load("hexapod").path)).text is None
-        True
     """
 
     given: Path
@@ -179,7 +174,7 @@ def with_rods(path: Path, given: str, text: str) -> tuple[str, tuple[str, ...]]:
     if not absent:
         return text, ()
     ends = _ends(robot)
-    longest = max((_length(end) for found in ends.values() for end in found), default=0)
+    longest = max((hypot(*end) for found in ends.values() for end in found), default=0)
     for link in list(robot.iter("link")):
         shapes = [s for s in link if any(id(m) in absent for m in s.iter("mesh"))]
         for shape in shapes:
@@ -220,19 +215,15 @@ def _place(origin: ET.Element | None) -> Point:
     return (x, y, z)
 
 
-def _length(end: Point) -> float:
-    return sqrt(sum(part * part for part in end))
-
-
 def _draw(path: Path, link: ET.Element, ends: list[Point], radius: float) -> None:
     """Add rods to a link, and a ball at the end of each."""
-    if not any(map(_length, ends)):
+    if not any(hypot(*end) for end in ends):
         raise ModelError(
             f"no end of link {link.get('name')!r} is known: {path}; its mesh is "
             "missing, and it has neither a next joint nor a centre of mass, add one"
         )
     for x, y, z in ends:
-        across, length = hypot(x, y), _length((x, y, z))
+        across, length = hypot(x, y), hypot(x, y, z)
         if length > radius:
             middle, turn = (x / 2, y / 2, z / 2), (0.0, atan2(across, z), atan2(y, x))
             rod = {"radius": f"{radius / 2:.6g}", "length": f"{length:.6g}"}

@@ -21,7 +21,8 @@ from sim.physics.engine import Engine
 from sim.preparation.setup import Setup
 from sim.world.imperfections import BACKLASH, turned
 
-TURNS = 4  # of practice
+TURNS = 8  # of practice, at most: on counts they do not converge, the best is taken
+NEAR = 0.002  # of the reach, that a turn may miss the end by for practice to end
 PART = 0.7  # of what was missed, that is added after a turn
 
 
@@ -68,7 +69,7 @@ class Practice:
         loose, reach = self._loose, self._loose.setup.kinematics.reach
         began, drive = loose.engine.moment, loose.drive
         shift, tried = np.zeros_like(wanted.values), []
-        for _ in range(TURNS):
+        for turn in range(TURNS):
             loose.engine.rewind(began)
             loose.drive = copy(drive)
             shifts = replace(wanted, values=shift)
@@ -76,9 +77,11 @@ class Practice:
             off = pose - goal
             miss = float(np.hypot(*off[:2]) + reach * abs(wrap(off[2])))
             tried.append((miss, shifts, loose.engine.moment, loose.drive))
+            if turn and miss <= NEAR * reach:
+                break
             missed = wanted.values + self._shift - reached.values
             shift = np.clip(shift + PART * missed, -self._width, self._width)
-        _, best, moment, loose.drive = min(tried[1:], key=lambda turn: turn[0])
+        _, best, moment, loose.drive = min(tried[1:], key=lambda one: one[0])
         loose.engine.rewind(moment)
         return best
 

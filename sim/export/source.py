@@ -32,7 +32,7 @@ from sim.folder import csv_text, whole
 from sim.motion.poses import pose_of, seen_from
 from sim.physics.engine import Engine
 from sim.physics.measure import Sensors
-from sim.physics.recording import Recorder, Recording
+from sim.physics.recording import Recorder
 from sim.progress import Progress, silent
 from sim.run_folder import run_of
 from sim.runs.arrays import reading
@@ -110,8 +110,17 @@ def play(
     """Walk what was read back, and compare it as the walk itself was compared."""
     run = source.run
     steps = np.round(run.time / source.timestep).astype(int)
+    sensors = Sensors(source.model, source.robot)
     starts = round(run.summary.walk_starts / source.timestep)
-    recording = _recorded(source, commands, interpolated, steps, starts, progress)
+    recorder = Recorder(Engine(source.model), sensors, source.steps)
+    recorder.walk_starts = starts
+    order = [commands.joints.index(joint) for joint in source.joints]
+    ordered = ServoCommands(source.joints, commands.rate, commands.angles[:, order])
+    rest, length = source.model.key("start").ctrl, (source.steps, source.timestep)
+    pieces = ordered.rows(rest, source.actuators, *length, interpolated=interpolated)
+    for done in recorder.play(pieces, np.union1d(steps, [starts])):
+        progress("playing", done / source.steps)
+    recording = recorder.finish()
     moments, walking = recording.moments, steps >= starts
     kept = np.isin(moments.step, steps[walking])
     address = source.robot.root_address_in(source.model)
@@ -135,28 +144,6 @@ def play(
         weighed=scale.weigh(poses, predicted[scale.prediction], goal),
         changed=scale.share(poses[-1], run.achieved[-1]),
     )
-
-
-def _recorded(
-    source: Source,
-    commands: ServoCommands,
-    interpolated: bool,
-    steps: Array,
-    starts: int,
-    progress: Progress,
-) -> Recording:
-    """The walk of the commands, recorded at the moments of the reference."""
-    sensors = Sensors(source.model, source.robot)
-    recorder = Recorder(Engine(source.model), sensors, source.steps)
-    recorder.walk_starts = starts
-    order = [commands.joints.index(joint) for joint in source.joints]
-    ordered = ServoCommands(source.joints, commands.rate, commands.angles[:, order])
-    rest = source.model.key("start").ctrl
-    length = source.steps, source.timestep
-    pieces = ordered.rows(rest, source.actuators, *length, interpolated=interpolated)
-    for done in recorder.play(pieces, np.union1d(steps, [starts])):
-        progress("playing", done / source.steps)
-    return recorder.finish()
 
 
 LARGEST = 10**9  # bytes

@@ -68,7 +68,7 @@ def _no_plan(robot: Robot, found: Mobility) -> SimulationError:
 
 def _remedy(robot: Robot) -> str:
     """What would let a robot go everywhere, tried beforehand."""
-    if (proposal := propose(robot)) is None:
+    if not (proposal := propose(robot)):
         return (
             "legs that are mounted elsewhere or have more room to swing; no groups and "
             "posture of these legs were found in which it goes everywhere"

@@ -67,7 +67,7 @@ UNDER = """<mujoco><worldbody><body name="trunk" pos="0 0 0.3"><freejoint/>
 HOOK = """<body pos="{1} {2} 0"><joint name="yaw{0}" axis="0 0 1"/>
   <geom type="sphere" size="0.01" contype="0" conaffinity="0"/>
   <body pos="0.05 0 0"><joint name="pitch{0}" axis="0 1 0"/>
-    <geom name="toe{0}" type="sphere" size="0.01" pos="-0.05 0 -0.1"/></body></body>"""
+    <geom name="toe{0}" type="sphere" size="0.01" pos="-0.05 0 -0.08"/></body></body>"""
 
 
 def test_feet_below_the_joints_that_swing_them_push_nothing(tmp_path):

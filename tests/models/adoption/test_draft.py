@@ -10,6 +10,7 @@ from models.adoption.anatomy import servo_for
 from models.adoption.draft import draft_card
 from models.adoption.source import source_of
 from models.contact.kinematics import Kinematics
+from models.description.card_file import parse_card
 from models.errors import ModelError, UnknownRobotError
 from models.library import load
 from models.motion.robot_equations import equations
@@ -92,6 +93,21 @@ def test_straight_knees_are_bent_to_stand(drafted):
     height = Kinematics(robot).standing.height
     assert np.ptp(height) < 1e-6
     assert robot.card.start["knee1"] != 0.0
+
+
+def test_feet_far_below_their_lift_joints_are_spread(tmp_path):
+    path = owners.turntable(tmp_path)
+    start = parse_card(draft_card(source_of(str(path))).card, "draft").start
+    raised = np.array([start[f"raise_{leg}"] for leg in range(1, 7)])
+    assert raised == pytest.approx(np.deg2rad(12))
+    # of the foot's end, 30 mm beside and 90 mm below, and its round of 14 mm
+    side, below = np.hypot(0.03, 0.09) * np.array(
+        [
+            np.cos(np.arctan2(0.09, 0.03) - raised[0]),
+            np.sin(np.arctan2(0.09, 0.03) - raised[0]),
+        ]
+    )
+    assert 1.9 < (below + 0.014) / side <= 2
 
 
 def test_forward_is_forward_for_a_positive_angle(drafted):

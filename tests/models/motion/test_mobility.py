@@ -50,9 +50,9 @@ def test_strokes_that_are_short_or_straight_leave_directions_out(
 
 def test_proposed_posture_goes_everywhere(tmp_path):
     proposal = propose(load(str(radial.write(tmp_path))))
-    assert proposal.mobility.lacking == ()
-    assert 0 < proposal.turned < 0.45  # within the joint range of 26 degrees
-    assert "strokes a metre sideways" in str(proposal)
+    turned = int(proposal.split("up to ")[1].split()[0])
+    assert 0 < turned <= 26  # degrees, within the range of the joints
+    assert "strokes a metre sideways" in proposal
 
 
 def test_equal_robots_share_their_system_and_what_is_derived_from_it():

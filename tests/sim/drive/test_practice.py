@@ -53,7 +53,7 @@ def test_a_practised_stroke_ends_where_it_would_without_slack(classroom, slack):
     missed = [angles(setup, shifts) - wanted for shifts in (None, practised)]
     off, left = (float(np.sqrt((miss**2).mean())) for miss in missed)
     assert off > BAND / 4
-    assert left < off / 2  # measured: a quarter to 0.35 after four turns
+    assert left < off / 2  # measured: a quarter to 0.35
     # no command is shifted by more than the whole slack
     assert np.abs(practised.values).max() <= BAND
 
