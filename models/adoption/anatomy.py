@@ -165,7 +165,6 @@ GRID = 41  # angles of each joint that are tried
 CLEARANCE = 0.3  # of a leg's reach, that the body is wanted above the floor
 MARGIN = 0.15  # of a joint's range to keep from its ends
 BISECTIONS = 30  # of the bisection for the height of a foot
-DEEPEST = np.arctan(2.0)  # of feet; at 3.5 in place of 2 they jam, at 1.7 they do not
 
 
 def stands(pose: Pose, limbs: Sequence[Limb]) -> bool:
@@ -175,36 +174,6 @@ def stands(pose: Pose, limbs: Sequence[Limb]) -> bool:
     others = [pose.bottom(g)[2] for g in pose.solid() if g not in feet]
     flat = np.ptp(height) <= UNEVEN_FEET * np.ptp(across, axis=1).max()
     return bool(flat and min(others, default=np.inf) > height.max())
-
-
-def depth(pose: Pose, limbs: Sequence[Limb]) -> float:
-    """Angle at which the steepest leg goes down from lift joint to foot [rad]."""
-    feet = [pose.bottom(pose.model.geom(limb.foot).id) for limb in limbs]
-    x, y, z = np.subtract(feet, [pose.data.joint(m.lift).xanchor for m in limbs]).T
-    return float(np.arctan2(-z, np.hypot(x, y)).max())
-
-
-def lift_room(pose: Pose, limbs: Sequence[Limb]) -> float:
-    """How far all lift joints can be turned up [rad]."""
-    return min(
-        max(m.up * (end - pose.angle(m.lift)) for end in pose.span(m.lift))
-        for m in limbs
-    )
-
-
-def spread_angles(pose: Pose, limbs: Sequence[Limb]) -> dict[str, float]:
-    """Angles of lift joints, all turned up alike, for feet not too far below them.
-
-    The pose is moved; it stays where there are no such angles.
-    """
-    begin = {limb.lift: pose.angle(limb.lift) for limb in limbs}
-    for turn in np.arange(0.0, lift_room(pose, limbs) / 2, np.deg2rad(1)):
-        angles = {m.lift: begin[m.lift] + m.up * float(turn) for m in limbs}
-        pose.turn(angles)
-        if depth(pose, limbs) <= DEEPEST and stands(pose, limbs):
-            return angles
-    pose.turn(begin)
-    return {}
 
 
 def standing_angles(pose: Pose, limbs: Sequence[Limb], source: str) -> dict[str, float]:

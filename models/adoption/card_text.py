@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.adoption.anatomy import Limb, Pose, lift_room
+from models.adoption.anatomy import Limb, Pose
 from models.adoption.crawl import Crawl
 from models.adoption.groups import LEAST_LOAD, Reach, Stand, Swings
 from models.description.card import Servo
@@ -91,6 +91,14 @@ def rowing(limbs: Sequence[Limb], crawl: Crawl) -> GaitDraft:
         f"while the others stand; strokes are up to {crawl.stroke:.2f} rad either way",
     )
     return GaitDraft(crawl.turns, tuple(lines), guesses)
+
+
+def lift_room(pose: Pose, limbs: Sequence[Limb]) -> float:
+    """How far all lift joints can be turned up [rad]."""
+    return min(
+        max(m.up * (end - pose.angle(m.lift)) for end in pose.span(m.lift))
+        for m in limbs
+    )
 
 
 def drafted_lift(pose: Pose, limbs: Sequence[Limb]) -> float:

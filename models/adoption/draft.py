@@ -9,14 +9,11 @@ from itertools import chain
 import numpy as np
 
 from models.adoption.anatomy import (
-    DEEPEST,
     Limb,
     Pose,
-    depth,
     drafted_servo,
     find_limbs,
     servo_stiffness,
-    spread_angles,
     standing_angles,
     stands,
 )
@@ -25,6 +22,7 @@ from models.adoption.card_text import (
     alternating,
     card_text,
     drafted_lift,
+    lift_room,
     rowing,
 )
 from models.adoption.crawl import Crawl, find_crawl
@@ -39,6 +37,7 @@ from models.motion.robot_equations import equations, mobility_of
 from planner import PlannerError
 
 SHORT = 0.05  # of the longest leg as seen from above: shorter ones push nothing
+DEEPEST = np.arctan(2.0)  # of feet; at 3.5 in place of 2 they jam, at 1.7 they do not
 SOFT_SHARE = 0.05  # of the stiffness with which a servo sags little
 
 
@@ -88,9 +87,8 @@ def draft_card(source: Source) -> Draft:
         angles = standing_angles(pose, limbs, name)
         pose.turn(angles)
         guesses.append("the file puts the feet at different heights: knees were bent")
-    if depth(pose, limbs) > DEEPEST:
-        spread = spread_angles(pose, limbs)
-        angles |= spread
+    if _depth(pose, limbs) > DEEPEST:
+        angles |= (spread := _spread(pose, limbs))
         guesses.append(
             "feet stand more than twice as far below their lift joints as beside them, "
             "so that they jam on the floor and bounce: "
@@ -129,6 +127,28 @@ def draft_card(source: Source) -> Draft:
         )
     card = card_text(pose, limbs, gait, angles, servo)
     return Draft(card, tuple(guesses), limbs, gait)
+
+
+def _depth(pose: Pose, limbs: Sequence[Limb]) -> float:
+    """Angle at which the steepest leg goes down from lift joint to foot [rad]."""
+    feet = [pose.bottom(pose.model.geom(limb.foot).id) for limb in limbs]
+    x, y, z = np.subtract(feet, [pose.data.joint(m.lift).xanchor for m in limbs]).T
+    return float(np.arctan2(-z, np.hypot(x, y)).max())
+
+
+def _spread(pose: Pose, limbs: Sequence[Limb]) -> dict[str, float]:
+    """Angles of lift joints, all turned up alike, for feet not too far below them.
+
+    The pose is moved; it stays where there are no such angles.
+    """
+    begin = {limb.lift: pose.angle(limb.lift) for limb in limbs}
+    for turn in np.arange(0.0, lift_room(pose, limbs) / 2, np.deg2rad(1)):
+        angles = {m.lift: begin[m.lift] + m.up * float(turn) for m in limbs}
+        pose.turn(angles)
+        if _depth(pose, limbs) <= DEEPEST and stands(pose, limbs):
+            return angles
+    pose.turn(begin)
+    return {}
 
 
 def _gait(
