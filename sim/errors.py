@@ -78,6 +78,11 @@ class SimulationError(StratawalkError):
 
     exit_code = ExitCode.SIMULATION
 
+    def __init__(self, what: str, where: str, remedy: str, setting: str = "") -> None:
+        """As every error; and the setting KEY=VALUE that would do, if one is known."""
+        self.setting = setting
+        super().__init__(what, where, remedy)
+
 
 class RenderError(StratawalkError):
     """No way to draw or to encode pictures on this machine.

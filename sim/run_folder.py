@@ -137,6 +137,7 @@ def run(
         if not again.exists():
             raise
         remedy = f"{error.remedy}; again by: stratawalk run {again} --no-video"
+        remedy += f" --set {error.setting}" if error.setting else ""
         raise SimulationError(error.what, error.where, remedy) from error
     summary = replace(simulation.summary, timing=simulation.timing | {"render": 0.0})
     with stage(progress, "writing"):

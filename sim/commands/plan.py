@@ -164,11 +164,12 @@ def _outcome(
     planned = time.perf_counter()
     timing = {"compile": compiled - began, "plan": planned - compiled}
     accuracy = steps = None
-    with stage(progress, "measuring the accuracy"), suppress(BudgetError):
-        with limited(problem.plan_time):
-            found = Accuracy.of(problem), Steps.of(problem)
-        accuracy, steps = found
     with stage(progress, "trying what would help"):
         helps = problem.helps(solution.plan)
+    if helps or not problem.replan:  # nothing is left to say of replanning that arrives
+        with stage(progress, "measuring the accuracy"), suppress(BudgetError):
+            with limited(problem.plan_time):
+                found = Accuracy.of(problem, solution.plan), Steps.of(problem)
+            accuracy, steps = found
     prospect = Prospect(helps, solution.fallback, timing, accuracy, steps)
     return solution.plan, played(solution.plan, prospect)

@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 from planner import Array, Plan, convergence_order, critical_step, play, rollout
 from planner.planning import faster, grid
 from sim.motion.poses import wrap
-from sim.problems.problem import Problem
+from sim.problems.problem import Problem, tried
 from sim.scenarios.predictions import IDEAL
 from sim.templates import render
 
@@ -30,15 +31,26 @@ class Accuracy:
     faster: Mapping[str, float | None]
 
     @classmethod
-    def of(cls, problem: Problem) -> Accuracy:
-        """The order to expect, and that of what is faster."""
+    def of(cls, problem: Problem, plan: Plan) -> Accuracy:
+        """The order to expect, and that of what is faster and helps a plan already.
+
+        In few segments a plan that converges faster may well miss more.
+        """
         if problem.is_exact:
             degree = problem.extended.steering.degree
             return cls(degree, degree, None, {})
         asked, words = (problem.extended, problem.path), problem.coordinates
         expected = convergence_order(*asked, words)
         offers = faster(*asked, expected, words)
-        orders = {what: _finite(offer.order) for what, offer in offers.items()}
+
+        def attempt(what: str) -> float:
+            mirrored = offers[what].degree == expected.degree
+            options = {"words": "symmetric"} if mirrored else {}
+            return problem.changed(offers[what].degree, **options).attempt()
+
+        trials = ((what, partial(attempt, what)) for what in offers)
+        helpful = tried(trials, problem.miss(plan), problem.plan_time).helpful
+        orders = {what: _finite(offers[what].order) for what in helpful}
         degrees = expected.degree, expected.bracket_degree
         return cls(*degrees, _finite(expected.order), orders)
 

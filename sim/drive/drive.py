@@ -7,10 +7,12 @@ the schedule, which all predictions follow.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from math import ceil
 
 import numpy as np
 
+from models import SERVO_KINDS
 from models.description import actuators_of
 from planner import Array
 from sim.drive.feed_forward import FeedForward, carried_torque, leg_actuators
@@ -20,6 +22,7 @@ from sim.logs.playing import Played
 from sim.motion.schedule import Schedule, command_at, step_of
 from sim.physics.engine import STRETCH
 from sim.preparation.setup import Setup
+from sim.world.servos import ServoSettings, servo_settings
 
 Leads = tuple[FeedForward | None, FeedForward | None]  # torques, practised angles
 LEAST_FRICTION = 0.1  # below, feet slide whatever the servos do
@@ -74,52 +77,83 @@ class Drive:
         return self.feeds_forward or self._servo.torque is not None
 
     def require_gentleness(self) -> None:
-        """Refuse commands so far apart in time that their jumps make feet slip.
-
-        From one command to the next a torque jumps by stiffness times swing speed over
-        rate, which is to be less than friction holds at the end of a leg.
-        """
+        """Refuse commands so far apart in time that their jumps make feet slip."""
         scenario, stiffness = self._setup.scenario, float(self._stiffness.max())
-        if not self._servo.rate:
+        share = self._jump(self._servo, stiffness)
+        if share <= 1:
             return
-        jump = stiffness * scenario.swing_speed / self._servo.rate
-        held = max(scenario.friction, LEAST_FRICTION) * carried_torque(self._setup)
-        if jump <= held:
-            return
+        held = self._held_torque()
+        slower = 0.95 * scenario.swing_speed / share  # two digits add 5 % at most
         raise UsageError(
             f"each of {self._servo.rate:g} commands a second changes the torque of a "
-            f"servo of {stiffness:g} N m/rad by {jump:.2g} N m, and friction holds "
-            f"{held:.2g} N m",
+            f"servo of {stiffness:g} N m/rad by {share * held:.2g} N m, and friction "
+            f"holds {held:.2g} N m",
             f"scenario {scenario.name!r}",
-            f"raise command_rate to {ceil(self._servo.rate * jump / held)}, lower "
-            f"swing_speed, or set servo_stiffness to {stiffness * held / jump:.0f}",
+            f"walk slower: --set swing_speed={slower:.2g}; or raise command_rate to "
+            f"{ceil(self._servo.rate * share)}, if the servos take as many",
         )
 
-    def require_strength(self, schedule: Schedule, torques: FeedForward) -> None:
-        """Refuse a stretch that needs more torque than a servo has at its speed.
+    def _jump(self, servo: ServoSettings, stiffness: float) -> float:
+        """Jump of a torque from a command to the next, by what friction holds.
 
-        The torque that is left falls linearly with speed, to none at no load.
+        It is stiffness times swing speed over rate; friction acts at the end of a leg.
         """
+        if not servo.rate:
+            return 0.0
+        jump = stiffness * self._setup.scenario.swing_speed / servo.rate
+        return jump / self._held_torque()
+
+    def _held_torque(self) -> float:
+        friction = max(self._setup.scenario.friction, LEAST_FRICTION)
+        return friction * carried_torque(self._setup)
+
+    def require_strength(self, schedule: Schedule, torques: FeedForward) -> None:
+        """Refuse a stretch that needs more torque than a servo has at its speed."""
         most = self._servo.torque
         if most is None:
             return
         rows = np.arange(len(torques.values)) * torques.spacing
-        lost = most / (self._servo.speed or np.inf)  # with speed [N m s/rad]
         turned = np.abs(self._speed(schedule, rows))
         self._require_pace(float(turned.max()))
-        needed = np.abs(torques.values[:, self._joints]) + lost * turned
+        borne = np.abs(torques.values[:, self._joints])
+        needed = _needed(self._servo, borne, turned)
         knot, joint = np.unravel_index(needed.argmax(), needed.shape)
         if needed[knot, joint] <= most:
             return
         phase = schedule.phases[int(schedule.phase_of(rows[[knot]])[0])]
         name = self._setup.robot.card.joints[joint]
         seconds = (schedule.start + rows[knot]) * self._setup.limits.timestep
+        pauses = np.array([phase.start - schedule.start for phase in schedule.phases])
+        at_rest = np.abs(torques.at(pauses)[:, self._joints[joint]]).max()
+        makes = self._sufficient(borne, turned)
+        remedies = [
+            f"take servos that give it, --set servo={' or '.join(makes)}"
+            if makes
+            else "take stronger servos than all that are known by name",
+            "make the robot lighter",
+            *["lower swing_speed"] * bool(phase.kind == "swing" and at_rest < most),
+        ]
         raise SimulationError(
             f"servo {name!r} would need {needed[knot, joint]:.3g} N m in a "
-            f"{phase.kind} on S{phase.stratum} and has {most:.3g} N m",
+            f"{phase.kind} on S{phase.stratum}, {at_rest:.3g} N m of it even at rest, "
+            f"and has {most:.3g} N m",
             f"t = {seconds:.2f} s",
-            "choose a stronger servo, a lighter robot, or a lower swing_speed",
+            ", or ".join(remedies),
+            f"servo={makes[0]}" if makes else "",
         )
+
+    def _sufficient(self, borne: Array, turned: Array) -> list[str]:
+        """Makes that would walk a stretch, by torques and speeds, the weakest first."""
+        setup, strong = self._setup, dict[str, float]()
+        for name in SERVO_KINDS:
+            scenario = replace(setup.scenario, servo=name)
+            servo = servo_settings(scenario, setup.robot.card)
+            most, kind = servo.torque or 0.0, servo.kind
+            slow = kind is not None and 0 < kind.profile_speed < turned.max()
+            gentle = self._jump(servo, servo.stiffness or 0.0) <= 1
+            if gentle and not slow and _needed(servo, borne, turned).max() <= most:
+                strong[name] = most
+        return sorted(strong, key=lambda name: strong[name])
 
     def _require_pace(self, fastest: float) -> None:
         """Refuse a speed that servos are not set to go at [rad/s]."""
@@ -235,6 +269,14 @@ class Drive:
         seconds = np.maximum(ahead - behind, 1) * self._setup.limits.timestep
         speed: Array = (later - sooner) / seconds[:, None]
         return speed
+
+
+def _needed(servo: ServoSettings, borne: Array, turned: Array) -> Array:
+    """Torque that servos need to have [N m], of which speed takes its share.
+
+    What is left falls linearly with speed [rad/s], to none at no load.
+    """
+    return borne + (servo.torque or 0.0) / (servo.speed or np.inf) * turned
 
 
 def _zero_offsets(setup: Setup, joints: int) -> Array:

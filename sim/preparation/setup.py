@@ -199,9 +199,10 @@ class Setup:
         """A scenario with the settings that it left to its robot; it walks the same.
 
         It is the one before its path was divided. What the card gives as an angle, or a
-        joint at a time, remains open.
+        joint at a time, and what follows from a make of servo, remains open.
         """
-        stiffness, damping = self.world.servo or (None, None)
+        own = None if self.servo.kind else self.world.servo
+        stiffness, damping = own or (None, None)
         given = scenario.servo_stiffness, scenario.servo_damping
         return replace(
             scenario,

@@ -1,5 +1,8 @@
 """Servo commands: feed-forward, counts and rate, against their definitions."""
 
+import re
+from contextlib import nullcontext
+
 import mujoco
 import numpy as np
 import pytest
@@ -12,7 +15,7 @@ from sim.drive.drive import Drive
 from sim.drive.feed_forward import FeedForward, leg_actuators, smoothed
 from sim.drive.lift_counts import PASSED
 from sim.drive.rehearsal import Rehearsal
-from sim.errors import SimulationError, UsageError
+from sim.errors import SimulationError, StratawalkError, UsageError
 from sim.motion.schedule import Scheduler
 from sim.physics.engine import Engine
 from sim.preparation.setup import prepare
@@ -162,6 +165,8 @@ def test_stiff_servos_on_few_commands_a_second_are_refused(scenario):
     with pytest.raises(UsageError, match="by 10 N m, and friction") as refusal:
         Walker(prepare(scenario(command_rate=50.0)))
     assert "raise command_rate to 3" in refusal.value.remedy
+    slower = re.search(r"--set swing_speed=([\d.]+)", refusal.value.remedy)
+    Walker(prepare(scenario(command_rate=50.0, swing_speed=float(slower[1]))))
 
 
 def test_a_servo_too_weak_is_refused_with_joint_phase_and_torque(scenario):
@@ -169,6 +174,37 @@ def test_a_servo_too_weak_is_refused_with_joint_phase_and_torque(scenario):
     walker = Walker(setup)
     with pytest.raises(SimulationError, match=r"servo 'lift_\d' would need .* N m in"):
         walker.go([[Flow("1", "g1_1", 0.1)]])
+
+
+def test_makes_that_are_strong_enough_are_named_and_no_others(scenario):
+    def walk(servo):
+        setup = prepare(scenario(servo=servo))
+        Drive(setup).require_gentleness()
+        Drive(setup).require_strength(schedule, torques)
+
+    weak = prepare(scenario(servo="mg90"))
+    schedule = swung(weak, 0.1)
+    torques = Rehearsal(weak).torques(schedule)
+    with pytest.raises(SimulationError) as refusal:
+        Drive(weak).require_strength(schedule, torques)
+    named = re.search(r"servo=([-\w]+(?: or [-\w]+)*)", refusal.value.remedy)
+    makes = named[1].split(" or ")
+    assert "swing_speed" not in refusal.value.remedy  # the load is there at rest
+    assert refusal.value.setting == f"servo={makes[0]}"
+    assert makes
+    for servo in SERVO_KINDS:
+        with nullcontext() if servo in makes else pytest.raises(StratawalkError):
+            walk(servo)
+
+
+def test_a_lower_speed_is_advised_where_speed_takes_the_torque(scenario):
+    fast = {"swing_speed": 15.0, "swing_acceleration": 3000.0}
+    setup = prepare(scenario(robot="hexapod-classroom", **fast))
+    nothing = FeedForward(np.zeros((1000, setup.model.nu)), 10)
+    schedule = swung(setup)
+    with pytest.raises(SimulationError, match="or lower swing_speed") as refusal:
+        Drive(setup).require_strength(schedule, nothing)
+    assert ", 0 N m of it even at rest" in str(refusal.value)
 
 
 @pytest.mark.parametrize("name", SERVO_KINDS)
