@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Sequence
 from difflib import get_close_matches
 
+MANY = 40  # names, too many for a line
+
 
 def point(configuration: Iterable[float]) -> str:
     """A configuration as it is written in messages: `(0.1, 0, -2)`."""
@@ -15,10 +17,13 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     """Suggestion for an unknown name: the nearest known one, and all known ones.
 
     It reads `did you mean 'line'? there are line, ellipse`, without the question where
-    no known name is near.
+    no known name is near or has it as a word, and without the list where that is long.
     """
     known = list(known)
     near = get_close_matches(name, known, n=1)
+    near = near or [one for one in known if name in one.split("_")]
+    if near and len(known) > MANY:
+        return f"did you mean {near[0]!r}?"
     question = f"did you mean {near[0]!r}? " if near else ""
     return f"{question}there are {', '.join(known) or 'none'}"
 

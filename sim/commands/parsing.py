@@ -5,13 +5,16 @@ from __future__ import annotations
 import argparse
 import shlex
 from collections.abc import Sequence
+from contextlib import suppress
 from difflib import get_close_matches
+from functools import partial
 from typing import NoReturn
 
 from planner.support import did_you_mean
 from sim.commands.declared import COMMANDS, GUESSES, declare
 from sim.commands.options import command_for, report
 from sim.errors import UsageError
+from sim.scenarios.declaration import read
 from sim.scenarios.settings import SETTINGS
 
 DESCRIPTION = "Plan how a legged robot walks from its equations, and walk it in MuJoCo."
@@ -135,12 +138,63 @@ def _instead_of(first: str, rest: Sequence[str]) -> str:
     """What to type instead of a word that is no command, and of what follows it."""
     if meant := GUESSES["commands"].get(first) or command_for(first):
         return f"try {meant}"
+    value = next((word for word in rest[:1] if not word.startswith("-")), "VALUE")
     if first in SETTINGS and f"{first}s" not in COMMANDS:
-        return f"try stratawalk run line --set {first}={rest[0] if rest else 'VALUE'}"
+        return f"try stratawalk run line --set {_explained([first], value)}"
     if near := get_close_matches(first, [*COMMANDS, "help"], n=1):
         line = shlex.join(["stratawalk", *near, *rest])
         return f"did you mean {line}? stratawalk help lists all commands"
+    if keys := _settings_named(first):
+        return f"try stratawalk run line --set {_explained(keys, value)}"
     return "begin with stratawalk run line; stratawalk help lists all commands"
+
+
+def _settings_named(text: str) -> list[str]:
+    """Settings whose name has a word of a text, as floor_stiffness has floor."""
+    said = text.lower().replace("?", "").split()
+    return [key for key in SETTINGS if not {*said}.isdisjoint(key.split("_"))]
+
+
+def _explained(keys: Sequence[str], value: str) -> str:
+    """The first of some settings with a value, what it is, and the names of others."""
+    first, *others = keys
+    more = f"; likewise {', '.join(others)}" if others else ""
+    item = SETTINGS[first]
+    return f"{_given(first, value)} ({item.allowed}): {item.about}{more}"
+
+
+def _given(key: str, text: str) -> str:
+    """A setting with a value, in a list where only that is taken, for a shell."""
+    from sim.scenarios.file import parse_override, toml_value
+
+    _, value = parse_override(f"{key}={text}")
+    for given in (value, [value]):
+        with suppress(ValueError):
+            read(given, SETTINGS[key].kind)
+            return shlex.quote(f"{key}={text if given == value else toml_value(given)}")
+    return f"{key}={text}"
+
+
+def _goal(words: Sequence[str]) -> str:
+    """A goal from words such as `0.1 0.2`, `0.1,0.2` or `y=0.2`, for a shell."""
+    names, goal = ["x", "y", "yaw"], ["0", "0", "0"]
+    said = " ".join(words).replace(",", " ").strip("[] ").split()
+    for place, word in zip(range(len(names)), said, strict=False):
+        name, _, number = word.rpartition("=")
+        try:
+            float(number)
+        except ValueError:
+            break
+        goal[names.index(name) if name in names else place] = number
+    return shlex.quote(f"path.goal=[{', '.join(goal)}]")
+
+
+def _systems_with(name: str) -> list[str]:
+    """Systems that have a parameter."""
+    from models import SYSTEMS
+    from models.systems import parameters
+
+    return [system for system in SYSTEMS if name in parameters(system)]
 
 
 def _refuse_option(
@@ -150,17 +204,21 @@ def _refuse_option(
     option, equals, value = word.partition("=")
     name = option.lstrip("-").replace("-", "_")
     settings = [f"--{key}" for key in SETTINGS if "--set" in known]
-    remedy = GUESSES["options"].get(name, "")
+    remedy = GUESSES["options"].get(name, "").format(goal=_goal([value, *rest]))
     for command, declared in COMMANDS.items():
         if (
             f"--{name}" not in settings
             and option in " ".join(declared.get("options", ())).split()
         ):
             remedy = remedy or f"stratawalk {command} takes it"
-    near = get_close_matches(f"--{name}", [*known, *settings], n=1)
-    if not remedy and near and near[0] not in known:
-        given = value if equals else " ".join(rest[:1]) or "VALUE"
-        remedy = f"write --set {near[0][2:]}={given}"
+    given = value if equals else " ".join(rest[:1]) or "VALUE"
+    if not remedy and "--set" in known and (of := _systems_with(name)):
+        remedy = f"try stratawalk plan {of[0]} --set {name}={given}"
+    named = [f"--{key}" for key in _settings_named(name) if settings]
+    near = partial(get_close_matches, f"--{name}", [*known, *settings], n=1)
+    nearest = near(cutoff=0.8) or named or near()
+    if not remedy and nearest and nearest[0] not in known:
+        remedy = f"write --set {_given(nearest[0][2:], given)}"
     remedy = remedy or did_you_mean(option, known)
     raise UsageError(f"unknown option {option}", where, remedy)
 

@@ -198,7 +198,10 @@ class Settings:
         "angle of the floor, and the direction that goes down", None, "world", "rad"
     )
     floor_stiffness: Annotated[float, Range(100, 1e7)] | None = imperfection(
-        "stiffness of the floor's contact, as in MuJoCo's solref", None, "world"
+        "stiffness of the floor's contact, as in MuJoCo's solref; 1e5 if not given",
+        None,
+        "world",
+        "1/s^2",
     )
     foot_friction: tuple[Annotated[float, Range(0, 10)], ...] | None = imperfection(
         "coefficient of friction of each foot, in the order of the legs", None, "world"
