@@ -108,6 +108,20 @@ class StaticStability:
         return Kinematics(self.robot)
 
 
+def lift_torques(kinematics: Kinematics, stratum: str, friction: float) -> Array:
+    """Torques that lift joints bear as the robot stands on a stratum, (F,) [N m].
+
+    A foot that slides toward its hip or away from it adds friction.
+    """
+    robot, stance = kinematics.robot, kinematics.standing
+    on, loads = robot.planted(stratum), np.zeros(len(robot.legs))
+    loads[on] = static_loads(stance.feet[None, on], stance.center_of_mass[None])[0]
+    level = np.linalg.norm(stance.gives[:, :2], axis=-1)
+    arms = np.abs(stance.gives[:, 2]) + friction * level
+    torques: Array = robot.weight_in(robot.model) * loads * arms
+    return torques
+
+
 def least_load(feet: Array, center: Array) -> Array:
     """Smallest share of the weight on any of the feet; 0 or less where they tip.
 

@@ -265,10 +265,14 @@ def _formed(
     slope = declared_or_derived(slope, outputs.slope, state)
     both = f"{outputs.along} and {outputs.across}"
     refusal = f"{both} are not flat outputs of a chained form"
-    slopes = [outputs.across, slope]
+    slopes, names = [outputs.across, slope], list(system.fields)
     while len(slopes) < len(state) - 1:
         if not vanishes(rate_along(slopes[-1], turn, state), state):
-            raise PlannerError(f"{refusal}: a slope is turned too early")
+            raise PlannerError(
+                f"{refusal}: {names[still.index(True)]} changes their slope of order "
+                f"{len(slopes) - 1}, and may change that of order {len(state) - 2} "
+                "alone; for a car with trailers take the middle of the last axle"
+            )
         slopes.append(rate_along(slopes[-1], ahead, state))
     turned = rate_along(slopes[-1], turn, state)
     if vanishes(turned, state):
@@ -277,7 +281,6 @@ def _formed(
         AHEAD: ahead - turn * (rate_along(slopes[-1], ahead, state) / turned),
         TURN: turn / turned,
     }
-    names = list(system.fields)
     order = names[still.index(False)], names[still.index(True)]
     plane = Plane.of(system, (outputs.along, outputs.across), *order)
     combined = replace(system, strata={system.bottom: fields})

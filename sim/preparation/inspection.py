@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from models import (
+    SERVO_KINDS,
     Equations,
     Kinematics,
     Mobility,
@@ -22,6 +23,7 @@ from models import (
     mobility_of,
 )
 from models.adoption import servo_for
+from models.contact import lift_torques
 from sim.motion.stability import margin_at_rest
 from sim.physics.standing import check_standing
 from sim.preparation.reach import immobile, lift_angle
@@ -30,7 +32,7 @@ from sim.scenarios.scenario import Scenario
 from sim.templates import render
 from sim.world.changes import changes, overlaps
 from sim.world.model import World, build, load as load_world
-from sim.world.servos import joints_without_servo
+from sim.world.servos import joints_without_servo, servo_settings
 
 Facts = dict[str, Any]
 
@@ -39,7 +41,8 @@ def facts_of(setup: Setup) -> Facts:
     """Mass, legs, groups, fields and margins of a robot that is set up to walk."""
     robot, described = setup.robot, setup.equations
     found, changed = mobility_of(robot, described), [*changes(robot, setup.scenario)]
-    stands = setup.kinematics, setup.limits.lift_angle, setup.world
+    servos = _servos(setup.scenario, setup.kinematics, setup.world)
+    stands = setup.kinematics, setup.limits.lift_angle, setup.world, servos
     return _facts(*stands, described, found, changed)
 
 
@@ -62,7 +65,45 @@ def inspected(scenario: Scenario, robot: Robot) -> Facts:
     if described is not None:
         found = mobility_of(robot, described)
         lacks += immobile(robot, found)
-    return _facts(kinematics, angle, world, described, found, changed, lacks)
+    servos = _servos(scenario, kinematics, world)
+    stands = kinematics, angle, world, servos
+    return _facts(*stands, described, found, changed, lacks)
+
+
+def _servos(scenario: Scenario, kinematics: Kinematics, world: World) -> Facts:
+    """Servos as they are simulated, and the torque that walking asks of them [N m].
+
+    It is that of the joint that bears most, with the robot at rest, and with feet that
+    slide. Makes are those whose stall torque is more, the weakest first.
+    """
+    robot = kinematics.robot
+    asked = servo_settings(scenario, robot.card)
+
+    def borne(friction: float) -> list[tuple[float, str, str]]:
+        return [
+            (float(torque), joint, stratum)
+            for stratum in robot.card.strata
+            for joint, torque in zip(
+                robot.lift_joints,
+                lift_torques(kinematics, stratum, friction),
+                strict=True,
+            )
+        ]
+
+    sliding, joint, stratum = max(borne(scenario.friction))
+    makes = sorted((kind.stall_torque, name) for name, kind in SERVO_KINDS.items())
+    return {
+        "name": asked.name,
+        "stiffness": asked.stiffness or (world.servo[0] if world.servo else None),
+        "torque": asked.torque,
+        "joint": joint,
+        "stratum": stratum,
+        "standing": float(
+            max(t for t, j, s in borne(0.0) if (j, s) == (joint, stratum))
+        ),
+        "sliding": float(sliding),
+        "makes": [name for most, name in makes if most > sliding],
+    }
 
 
 def _with_servos(robot: Robot) -> tuple[Robot, list[str]]:
@@ -84,6 +125,7 @@ def _facts(
     kinematics: Kinematics,
     lift: float,
     world: World,
+    servos: Facts,
     described: Equations | None,
     found: Mobility | None,
     changed: Sequence[str],
@@ -119,6 +161,7 @@ def _facts(
         },
         "gait": list(robot.card.gait),
         "let_down": world.let_down,
+        "servos": servos,
         "fields": {
             name: [float(rate) for rate in twist]
             for name, twist in (described.twists if described else {}).items()

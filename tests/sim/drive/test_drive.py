@@ -18,6 +18,7 @@ from sim.drive.rehearsal import Rehearsal
 from sim.errors import SimulationError, StratawalkError, UsageError
 from sim.motion.schedule import Scheduler
 from sim.physics.engine import Engine
+from sim.preparation.inspection import facts_of
 from sim.preparation.setup import prepare
 from sim.walking.walks import Walker
 from tests.walks import simulated
@@ -147,6 +148,17 @@ def test_a_rehearsal_with_soft_servos_measures_the_torques_of_stiff_ones(scenari
         borne = engine.advance(ctrl).actuator_force[-1]
     # both robots' servos are about as stiff; what is left is friction held in stance
     assert rehearsed == pytest.approx(borne, abs=0.05 * np.abs(borne).max())
+
+
+@pytest.mark.physics
+@pytest.mark.parametrize("robot", ["hexapod", "hexapod-classroom"])
+def test_a_robot_s_facts_tell_the_torques_of_a_walk(scenario, robot):
+    setup = prepare(scenario(robot=robot))
+    servos = facts_of(setup)["servos"]
+    walked = np.abs(Rehearsal(setup).torques(swung(setup)).values).max()
+    assert servos["standing"] < walked < servos["sliding"]  # 0.78, 0.91 and 1.25 N m
+    enough = {n for n in SERVO_KINDS if SERVO_KINDS[n].stall_torque > walked}
+    assert {*servos["makes"]} <= enough
 
 
 @pytest.mark.physics
