@@ -41,8 +41,7 @@ def facts_of(setup: Setup) -> Facts:
     """Mass, legs, groups, fields and margins of a robot that is set up to walk."""
     robot, described = setup.robot, setup.equations
     found, changed = mobility_of(robot, described), [*changes(robot, setup.scenario)]
-    servos = _servos(setup.scenario, setup.kinematics, setup.world)
-    stands = setup.kinematics, setup.limits.lift_angle, setup.world, servos
+    stands = setup.scenario, setup.kinematics, setup.limits.lift_angle, setup.world
     return _facts(*stands, described, found, changed)
 
 
@@ -65,44 +64,33 @@ def inspected(scenario: Scenario, robot: Robot) -> Facts:
     if described is not None:
         found = mobility_of(robot, described)
         lacks += immobile(robot, found)
-    servos = _servos(scenario, kinematics, world)
-    stands = kinematics, angle, world, servos
+    stands = scenario, kinematics, angle, world
     return _facts(*stands, described, found, changed, lacks)
 
 
 def _servos(scenario: Scenario, kinematics: Kinematics, world: World) -> Facts:
     """Servos as they are simulated, and the torque that walking asks of them [N m].
 
-    It is that of the joint that bears most, with the robot at rest, and with feet that
-    slide. Makes are those whose stall torque is more, the weakest first.
+    It is that of the joint that bears most, at rest and with feet that slide; makes are
+    those that have it, the weakest first.
     """
     robot = kinematics.robot
-    asked = servo_settings(scenario, robot.card)
-
-    def borne(friction: float) -> list[tuple[float, str, str]]:
-        return [
-            (float(torque), joint, stratum)
-            for stratum in robot.card.strata
-            for joint, torque in zip(
-                robot.lift_joints,
-                lift_torques(kinematics, stratum, friction),
-                strict=True,
-            )
-        ]
-
-    sliding, joint, stratum = max(borne(scenario.friction))
+    asked, strata = servo_settings(scenario, robot.card), robot.card.strata
+    standing, sliding = (
+        np.array([lift_torques(kinematics, s, friction) for s in strata])
+        for friction in (0.0, scenario.friction)
+    )
+    stratum, leg = np.unravel_index(sliding.argmax(), sliding.shape)
     makes = sorted((kind.stall_torque, name) for name, kind in SERVO_KINDS.items())
     return {
         "name": asked.name,
         "stiffness": asked.stiffness or (world.servo[0] if world.servo else None),
         "torque": asked.torque,
-        "joint": joint,
-        "stratum": stratum,
-        "standing": float(
-            max(t for t, j, s in borne(0.0) if (j, s) == (joint, stratum))
-        ),
-        "sliding": float(sliding),
-        "makes": [name for most, name in makes if most > sliding],
+        "joint": robot.lift_joints[leg],
+        "stratum": strata[stratum],
+        "standing": float(standing[stratum, leg]),
+        "sliding": float(sliding.max()),
+        "makes": [name for most, name in makes if most > sliding.max()],
     }
 
 
@@ -122,10 +110,10 @@ def _with_servos(robot: Robot) -> tuple[Robot, list[str]]:
 
 
 def _facts(
+    scenario: Scenario,
     kinematics: Kinematics,
     lift: float,
     world: World,
-    servos: Facts,
     described: Equations | None,
     found: Mobility | None,
     changed: Sequence[str],
@@ -161,7 +149,7 @@ def _facts(
         },
         "gait": list(robot.card.gait),
         "let_down": world.let_down,
-        "servos": servos,
+        "servos": _servos(scenario, kinematics, world),
         "fields": {
             name: [float(rate) for rate in twist]
             for name, twist in (described.twists if described else {}).items()

@@ -173,18 +173,17 @@ def test_a_slip_of_the_finger_is_answered_with_what_was_meant(words, meant, caps
         ("view 1", "finished run, as stratawalk run line makes"),
         ("fit hexapod", "stratawalk fit hexapod LOG.csv"),
         ("run line --goal 0.1 0.2", "write --set 'path.goal=[0.1, 0.2, 0]'"),
-        ("run line --goal 0.1,0.2,0.3", "write --set 'path.goal=[0.1, 0.2, 0.3]'"),
         ("run line --goal=y=0.2", "write --set 'path.goal=[0, 0.2, 0]'"),
         ("plan car --trailers 2", "try stratawalk plan car-trailers --set trailers=2"),
         ("run line --predict compliant", "--set 'predictions=[\"compliant\"]'"),
-        ("help floor", "--set floor_stiffness=VALUE (a number from 100 to 10000000): st"),
+        ("help floor", "--set floor_stiffness=VALUE (a number from 100 to 1000000"),
         ("help friction", "--set friction=VALUE (a number from 0 to 10): "),
         ("run line --set floor=soft", "did you mean 'floor_stiffness'?"),
         ("run line --floor 1e4", "write --set floor_stiffness=1e4"),
         ("run line --softer", "write --set floor_stiffness=1e4 for the floor"),
         ("settings", "try stratawalk scenarios line, which lists all"),
         ("robots --list", "leave it out: stratawalk robots"),
-        ("plan car --plot", "of a system see docs/systems.md, A picture"),
+        ("plan car --plot", "of a system --save plan.json, and plot"),
         ("plan unicycle --goal y 2", "'y' gives no coordinate a value: --goal; write"),
     ],
 )
@@ -209,11 +208,6 @@ def test_a_first_guess_is_answered_with_a_command_that_works(
     assert main(words.split()) in (2, 3)
     (line,) = capsys.readouterr().err.splitlines()
     assert meant in line
-
-
-def test_a_question_is_answered_with_the_setting_that_it_names(capsys):
-    assert main(["How do I make the floor softer?"]) == 2
-    assert "--set floor_stiffness=VALUE" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("command", COMMANDS)

@@ -61,21 +61,6 @@ def test_every_robot_is_checked(facts, name):
     assert report["rank"] == report["dimension"]
 
 
-TRUCK = """state = ["x", "y", "heading", "steer", "hitch"]
-goal = { y = 1 }
-[parameters]
-L = 1.0
-d = 0.8
-[strata.0]
-turn = { steer = 1 }
-[strata.0.drive]
-x = "cos(heading)*cos(steer)"
-y = "sin(heading)*cos(steer)"
-heading = "sin(steer)/L"
-hitch = "-sin(steer)/L - sin(hitch)*cos(steer)/d"
-"""
-
-
 def test_what_no_joint_range_can_use_is_controllable_in_theory_only(stratawalk):
     words = ("check", "paper-hexapod", "--set", "yaw_gain=1e-6")
     code, out, err = stratawalk(*words)
@@ -186,22 +171,6 @@ def test_critical_step_is_told_beside_the_segments(stratawalk, facts):
     assert "sure to converge to the goal for steps up to 1.06" in stratawalk(*two)[1]
     arrived = facts("plan", "unicycle", "--segments", "1", "--replan")
     assert (arrived["steps"], arrived["accuracy"]) == (None, None)
-
-
-def test_what_converges_faster_is_offered_only_where_it_misses_less(
-    facts, tmp_path, monkeypatch
-):
-    """A trailer is turned right through its car by symmetric words in 4 segments."""
-    monkeypatch.setattr("sim.problems.problem.TRIAL_TIME", 30.0)
-    truck = tmp_path / "truck.toml"
-    truck.write_text(TRUCK)
-    asked = "plan", str(truck), "--segments", "4"
-    found = facts(*asked)
-    assert found["accuracy"]["faster"] == {}
-    assert facts(*asked, "--words", "symmetric")["error"] > found["error"]
-    for segments, better in (("16", {"symmetric words": 1}), ("1", {})):
-        orders = facts("plan", "unicycle", "--segments", segments)["accuracy"]["faster"]
-        assert orders == {**better, "degree 3": 1}
 
 
 def test_scenario_is_planned_to_the_degree_asked_for(facts):

@@ -21,3 +21,53 @@ def test_a_trailer_is_brought_around_a_corner_and_the_plan_is_read_again(
         assert planned["error"] < 1e-9
         ends.append(planned["end"])
     assert ends[1] == pytest.approx(ends[0], abs=1e-12)
+
+
+TRUCK = """state = ["x", "y", "heading", "steer", "hitch"]
+goal = { y = 1 }
+segments = 4
+%s
+[parameters]
+L = 1.0
+d = 0.8
+[strata.0]
+turn = { steer = 1 }
+[strata.0.drive]
+x = "cos(heading)*cos(steer)"
+y = "sin(heading)*cos(steer)"
+heading = "sin(steer)/L"
+hitch = "-sin(steer)/L - sin(hitch)*cos(steer)/d"
+"""
+AXLE = 'flat = { along = "x - %s", across = "y - %s" }'
+
+
+@pytest.fixture
+def plan(capsys, tmp_path):
+    """The facts about a plan of a car with one trailer, or the refusal."""
+
+    def run(*words, flat="", system=""):
+        truck = tmp_path / "truck.toml"
+        truck.write_text(TRUCK % flat)
+        code = cli.main(["plan", system or str(truck), *words, "--json"])
+        said = capsys.readouterr()
+        return said.err if code else json.loads(said.out)
+
+    return run
+
+
+def test_what_converges_faster_is_offered_only_where_it_misses_less(plan):
+    """Symmetric words turn the trailer right through the car."""
+    found = plan()
+    assert found["accuracy"]["faster"] == {}
+    assert plan("--words", "symmetric")["error"] > found["error"]
+    for segments, better in (("16", {"symmetric words": 1}), ("1", {})):
+        few = plan("--segments", segments, system="unicycle")
+        assert few["accuracy"]["faster"] == {**better, "degree 3": 1}
+
+
+def test_flat_outputs_of_the_wrong_axle_are_told_the_right_one(plan):
+    refused = plan(flat=AXLE % ("L*cos(heading)", "L*sin(heading)"))
+    assert "turn changes their slope of order 1, and may change that of" in refused
+    assert "take the middle of the last axle" in refused
+    last = AXLE % ("d*cos(heading + hitch)", "d*sin(heading + hitch)")
+    assert plan(flat=last)["error"] < 1e-9

@@ -1,8 +1,5 @@
 """Servo commands: feed-forward, counts and rate, against their definitions."""
 
-import re
-from contextlib import nullcontext
-
 import mujoco
 import numpy as np
 import pytest
@@ -15,12 +12,10 @@ from sim.drive.drive import Drive
 from sim.drive.feed_forward import FeedForward, leg_actuators, smoothed
 from sim.drive.lift_counts import PASSED
 from sim.drive.rehearsal import Rehearsal
-from sim.errors import SimulationError, StratawalkError, UsageError
+from sim.errors import UsageError
 from sim.motion.schedule import Scheduler
 from sim.physics.engine import Engine
-from sim.preparation.inspection import facts_of
 from sim.preparation.setup import prepare
-from sim.walking.walks import Walker
 from tests.walks import simulated
 
 SOFT = {"servo_stiffness": 50.0, "servo_damping": 1.0}
@@ -151,17 +146,6 @@ def test_a_rehearsal_with_soft_servos_measures_the_torques_of_stiff_ones(scenari
 
 
 @pytest.mark.physics
-@pytest.mark.parametrize("robot", ["hexapod", "hexapod-classroom"])
-def test_a_robot_s_facts_tell_the_torques_of_a_walk(scenario, robot):
-    setup = prepare(scenario(robot=robot))
-    servos = facts_of(setup)["servos"]
-    walked = np.abs(Rehearsal(setup).torques(swung(setup)).values).max()
-    assert servos["standing"] < walked < servos["sliding"]  # 0.78, 0.91 and 1.25 N m
-    enough = {n for n in SERVO_KINDS if SERVO_KINDS[n].stall_torque > walked}
-    assert {*servos["makes"]} <= enough
-
-
-@pytest.mark.physics
 def test_soft_servos_with_lead_go_where_stiff_ones_go(scenario):
     def off(**changes):
         error = simulated(scenario(**changes)).summary["error"]["quasi_static"]
@@ -171,52 +155,6 @@ def test_soft_servos_with_lead_go_where_stiff_ones_go(scenario):
     # 14 mm of path; measured 0.22 mm with feed-forward and 0.97 mm without
     assert led < 0.3e-3
     assert led < off(command_rate=50.0, feed_forward=False, **SOFT) / 3
-
-
-def test_stiff_servos_on_few_commands_a_second_are_refused(scenario):
-    with pytest.raises(UsageError, match="by 10 N m, and friction") as refusal:
-        Walker(prepare(scenario(command_rate=50.0)))
-    assert "raise command_rate to 3" in refusal.value.remedy
-    slower = re.search(r"--set swing_speed=([\d.]+)", refusal.value.remedy)
-    Walker(prepare(scenario(command_rate=50.0, swing_speed=float(slower[1]))))
-
-
-def test_a_servo_too_weak_is_refused_with_joint_phase_and_torque(scenario):
-    setup = prepare(scenario(servo="mg90"))  # for a robot three times as heavy
-    walker = Walker(setup)
-    with pytest.raises(SimulationError, match=r"servo 'lift_\d' would need .* N m in"):
-        walker.go([[Flow("1", "g1_1", 0.1)]])
-
-
-def test_makes_that_are_strong_enough_are_named_and_no_others(scenario):
-    def walk(servo):
-        setup = prepare(scenario(servo=servo))
-        Drive(setup).require_gentleness()
-        Drive(setup).require_strength(schedule, torques)
-
-    weak = prepare(scenario(servo="mg90"))
-    schedule = swung(weak, 0.1)
-    torques = Rehearsal(weak).torques(schedule)
-    with pytest.raises(SimulationError) as refusal:
-        Drive(weak).require_strength(schedule, torques)
-    named = re.search(r"servo=([-\w]+(?: or [-\w]+)*)", refusal.value.remedy)
-    makes = named[1].split(" or ")
-    assert "swing_speed" not in refusal.value.remedy  # the load is there at rest
-    assert refusal.value.setting == f"servo={makes[0]}"
-    assert makes
-    for servo in SERVO_KINDS:
-        with nullcontext() if servo in makes else pytest.raises(StratawalkError):
-            walk(servo)
-
-
-def test_a_lower_speed_is_advised_where_speed_takes_the_torque(scenario):
-    fast = {"swing_speed": 15.0, "swing_acceleration": 3000.0}
-    setup = prepare(scenario(robot="hexapod-classroom", **fast))
-    nothing = FeedForward(np.zeros((1000, setup.model.nu)), 10)
-    schedule = swung(setup)
-    with pytest.raises(SimulationError, match="or lower swing_speed") as refusal:
-        Drive(setup).require_strength(schedule, nothing)
-    assert ", 0 N m of it even at rest" in str(refusal.value)
 
 
 @pytest.mark.parametrize("name", SERVO_KINDS)
@@ -296,19 +234,6 @@ def test_a_motor_behind_a_proportional_controller_walks_as_the_springs_do(scenar
         ends.append([engine.advance(piece).qpos[-1] for piece in pieces])
     # kicks of a count come to the voltage's limit for single steps: 1e-5 was measured
     assert np.abs(np.subtract(*ends)).max() < 1e-4
-
-
-def test_a_servo_set_to_go_slowly_is_refused_with_its_register(scenario):
-    sts = {"robot": "hexapod-classroom", "servo": "sts3215"}
-    setup = prepare(scenario(**sts))
-    drive, schedule = Drive(setup), swung(setup)
-    nothing = FeedForward(np.zeros((2, setup.model.nu)), 1000)
-    # 400 counts a second are 0.61 rad/s, and legs lift faster than that
-    said = r"go at 0.61 rad/s: servo = 'sts3215'; write \d+ into their speed register"
-    with pytest.raises(UsageError, match=said):
-        drive.require_strength(schedule, nothing)
-    faster = prepare(scenario(**sts, servo_data={"profile_speed": 5.0}))
-    Drive(faster).require_strength(schedule, nothing)
 
 
 def test_numbers_of_a_data_sheet_replace_those_of_the_make(scenario):
