@@ -80,7 +80,8 @@ def _servos(scenario: Scenario, kinematics: Kinematics, world: World) -> Facts:
         np.array([lift_torques(kinematics, s, friction) for s in strata])
         for friction in (0.0, scenario.friction)
     )
-    stratum, leg = np.unravel_index(sliding.argmax(), sliding.shape)
+    first = sliding.round(6).argmax()  # of those that bear as much
+    stratum, leg = np.unravel_index(first, sliding.shape)
     makes = sorted((kind.stall_torque, name) for name, kind in SERVO_KINDS.items())
     return {
         "name": asked.name,
