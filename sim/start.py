@@ -16,8 +16,6 @@ from typing import NoReturn
 
 from sim.endings import ENDS, again, begin, heeded
 
-GARBAGE = 50_000  # objects between searches for garbage; most of them last
-
 
 def main() -> int:
     """Run the command in a process of its own; its exit code."""
@@ -26,7 +24,7 @@ def main() -> int:
         signal.signal(number, _end_early)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDS)  # they waited for this
     _prepare_streams()
-    gc.set_threshold(GARBAGE)
+    gc.set_threshold(50_000)  # objects between searches for garbage: most last
     if not sys.warnoptions:
         warnings.simplefilter("ignore")  # libraries' hints to programmers
         os.environ["PYTHONWARNINGS"] = "ignore"  # in processes that are begun, too

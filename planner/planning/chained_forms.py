@@ -197,8 +197,8 @@ class ChainedForm:
     def _separated(self, start: Array, goal: Array) -> PlannerError:
         return PlannerError(
             f"flows of the chained form do not lead from {self._named(start)} to "
-            f"{self._named(goal)}: its singularities separate the goal from the start; "
-            "plan with elements"
+            f"{self._named(goal)}: its singularities lie between, or words swing too "
+            "far; plan with elements, or by way of other states"
         )
 
     def _named(self, x: Array) -> str:
@@ -217,10 +217,8 @@ def _plan_of(
 ) -> Plan:
     """A plan of given flows in segments, whose elements are the fields."""
     names = tuple(dict.fromkeys(flow.field for flow in chain(*parts)))
-    nominal = [start]
-    for part in parts:
-        nominal.append(play(system, part, nominal[-1])[-1])
-    return plan_of_flows(system, names, parts, np.array(nominal))
+    ends = accumulate(parts, lambda x, part: play(system, part, x)[-1], initial=start)
+    return plan_of_flows(system, names, parts, np.array([*ends]))
 
 
 def chained_form(

@@ -63,7 +63,6 @@ def export(options: argparse.Namespace) -> ExitCode:
     }
     shown = [(n, one, describe_export(summary, one, n)) for n, one in played.items()]
     found = {"commands": read, "played": shown, "coarse": coarse, "file": options.out}
-    found |= {"rated": source.servo.rate}
     cli.report(options, facts, render("export.txt", **found, **summary))
     weighed = {f"the walk as {name}": one.weighed for name, one in played.items()}
     remedy = f"{options.out} is written; correct the walk before servos carry it out"

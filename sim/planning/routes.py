@@ -150,9 +150,8 @@ class _Search:
     def is_free(self, x: float, y: float, yaw: float) -> bool:
         """Whether the robot keeps its distance when it stands there."""
         tick()
-        if not (self._west <= x <= self._east and self._south <= y <= self._north):
-            return True
-        if not shapely.intersects_xy(self._near, x, y):
+        around = self._west <= x <= self._east and self._south <= y <= self._north
+        if not (around and shapely.intersects_xy(self._near, x, y)):
             return True
         cos, sin = math.cos(yaw), math.sin(yaw)
         turn = np.array([(cos, -sin), (sin, cos)])  # into the body's frame

@@ -111,7 +111,12 @@ def test_what_an_export_costs_is_told_with_all_that_mends_it(rated, coarse, reme
     played = SimpleNamespace(bounces=0, changed=0.02)
     commands = SimpleNamespace(angles=[], joints=(), rate=50.0)
     shown = [("exported", played, "")]
-    found = {"rated": rated, "coarse": coarse, "commands": commands, "played": shown}
+    found = {
+        "servo": {"rate": rated},
+        "coarse": coarse,
+        "commands": commands,
+        "played": shown,
+    }
     text = render("export.txt", scenario="line", robot="hexapod", file="f", **found)
     (line,) = (line for line in text.splitlines() if "2 % of the path" in line)
     assert line.endswith(remedy)
