@@ -33,6 +33,7 @@ from planner.planning import (
 from planner.support import unknown
 from planner.systems import ShapeCoordinates, ShapeLimits
 
+FARTHEST = 1e100  # of a coordinate; derivatives at larger ones overflow
 State = Mapping[str, float]  # values of coordinates by name
 Words = Literal["printed", "shortest", "symmetric"]
 COORDINATES: Mapping[Words, Coordinates] = {
@@ -166,7 +167,7 @@ def configuration(
     for name, value in given.items():
         if name not in names:
             raise ValueError(f"{what} has {name}, which {unknown(name, names)}")
-        if not np.isfinite(value):
-            raise ValueError(f"{what} has {name} = {value}; give a finite number")
+        if not abs(value) < FARTHEST:
+            raise ValueError(f"{what} has {name} = {value}; give one below {FARTHEST}")
         state[names.index(name)] = value
     return state

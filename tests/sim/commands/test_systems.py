@@ -256,6 +256,7 @@ def test_list_of_systems_has_parameters(facts):
         ("plan gone.json", 6, "gone.json"),
         ("plan car --robot hexapod", 2, "--robot is for robots: car; leave it out"),
         ("plan line --goal x=1", 2, "--goal is for systems: line; set a scenario's pa"),
+        ("plan car --goal x=1e308", 2, "x = 1e.308: car; give one below 1e.100"),
         ("plan car --goal z=1", 2, "goal has z, which is unknown: car; there are x,"),
         ("plan car --goal z", 2, "'z' is not a coordinate: --goal; write NAME=VALUE"),
         (
