@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 import shlex
 from collections.abc import Sequence
 from contextlib import suppress
@@ -19,7 +20,7 @@ from sim.scenarios.settings import SETTINGS
 
 DESCRIPTION = "Plan how a legged robot walks from its equations, and walk it in MuJoCo."
 EPILOG = (
-    "stratawalk help COMMAND explains a command; docs/glossary.md defines the terms."
+    "stratawalk help COMMAND explains a command; stratawalk scenarios line, the settings."
 )
 OPTIONS = ("-h", "--help", "--version")  # that need no command
 SAME = {"version": "--version", "-V": "--version"}
@@ -138,29 +139,23 @@ def _instead_of(first: str, rest: Sequence[str]) -> str:
     """What to type instead of a word that is no command, and of what follows it."""
     if meant := GUESSES["commands"].get(first) or command_for(first):
         return f"try {meant}"
-    value = next((word for word in rest[:1] if not word.startswith("-")), "VALUE")
-    if first in SETTINGS and f"{first}s" not in COMMANDS:
-        return f"try stratawalk run line --set {_explained([first], value)}"
-    if near := get_close_matches(first, [*COMMANDS, "help"], n=1):
+    exact = [first] if first in SETTINGS and f"{first}s" not in COMMANDS else []
+    near = [] if exact else get_close_matches(first, [*COMMANDS, "help"], n=1)
+    if near:
         line = shlex.join(["stratawalk", *near, *rest])
         return f"did you mean {line}? stratawalk help lists all commands"
-    if keys := _settings_named(first):
-        return f"try stratawalk run line --set {_explained(keys, value)}"
+    if keys := exact or _settings_named(first):
+        value = next((word for word in rest[:1] if not word.startswith("-")), "VALUE")
+        item, more = SETTINGS[keys[0]], f"; likewise {', '.join(keys[1:])}"
+        set_to = f"stratawalk run line --set {_given(keys[0], value)}"
+        return f"try {set_to} ({item.allowed}): {item.about}{more if keys[1:] else ''}"
     return "begin with stratawalk run line; stratawalk help lists all commands"
 
 
 def _settings_named(text: str) -> list[str]:
     """Settings whose name has a word of a text, as floor_stiffness has floor."""
-    said = text.lower().replace("?", "").split()
-    return [key for key in SETTINGS if not {*said}.isdisjoint(key.split("_"))]
-
-
-def _explained(keys: Sequence[str], value: str) -> str:
-    """The first of some settings with a value, what it is, and the names of others."""
-    first, *others = keys
-    more = f"; likewise {', '.join(others)}" if others else ""
-    item = SETTINGS[first]
-    return f"{_given(first, value)} ({item.allowed}): {item.about}{more}"
+    said = {*text.lower().replace("?", "").split()}
+    return [key for key in SETTINGS if said & {*key.split("_")}]
 
 
 def _given(key: str, text: str) -> str:
@@ -177,24 +172,14 @@ def _given(key: str, text: str) -> str:
 
 def _goal(words: Sequence[str]) -> str:
     """A goal from words such as `0.1 0.2`, `0.1,0.2` or `y=0.2`, for a shell."""
-    names, goal = ["x", "y", "yaw"], ["0", "0", "0"]
-    said = " ".join(words).replace(",", " ").strip("[] ").split()
-    for place, word in zip(range(len(names)), said, strict=False):
-        name, _, number = word.rpartition("=")
-        try:
-            float(number)
-        except ValueError:
-            break
-        goal[names.index(name) if name in names else place] = number
-    return shlex.quote(f"path.goal=[{', '.join(goal)}]")
-
-
-def _systems_with(name: str) -> list[str]:
-    """Systems that have a parameter."""
-    from models import SYSTEMS
-    from models.systems import parameters
-
-    return [system for system in SYSTEMS if name in parameters(system)]
+    goal = {"x": "0", "y": "0", "yaw": "0"}
+    for name, word in zip(
+        goal, re.split(r"[\s,\[\]]+", " ".join(words).strip(" [")), strict=False
+    ):
+        own, _, number = word.rpartition("=")
+        if re.fullmatch(r"-?[\d.]+", number):
+            goal[own if own in goal else name] = number
+    return shlex.quote(f"path.goal=[{', '.join(goal.values())}]")
 
 
 def _refuse_option(
@@ -204,16 +189,15 @@ def _refuse_option(
     option, equals, value = word.partition("=")
     name = option.lstrip("-").replace("-", "_")
     settings = [f"--{key}" for key in SETTINGS if "--set" in known]
-    remedy = GUESSES["options"].get(name, "").format(goal=_goal([value, *rest]))
+    given = value if equals else " ".join(rest[:1]) or "VALUE"
+    words = {"goal": _goal([value, *rest]), "value": given}
+    remedy = GUESSES["options"].get(name, "").format_map(words)
     for command, declared in COMMANDS.items():
         if (
             f"--{name}" not in settings
             and option in " ".join(declared.get("options", ())).split()
         ):
             remedy = remedy or f"stratawalk {command} takes it"
-    given = value if equals else " ".join(rest[:1]) or "VALUE"
-    if not remedy and "--set" in known and (of := _systems_with(name)):
-        remedy = f"try stratawalk plan {of[0]} --set {name}={given}"
     named = [f"--{key}" for key in _settings_named(name) if settings]
     near = partial(get_close_matches, f"--{name}", [*known, *settings], n=1)
     nearest = near(cutoff=0.8) or named or near()

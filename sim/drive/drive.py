@@ -94,16 +94,12 @@ class Drive:
         )
 
     def _jump(self, servo: ServoSettings, stiffness: float) -> float:
-        """Jump of a torque from a command to the next, by what friction holds.
-
-        It is stiffness times swing speed over rate; friction acts at the end of a leg.
-        """
-        if not servo.rate:
-            return 0.0
-        jump = stiffness * self._setup.scenario.swing_speed / servo.rate
+        """Jump of a torque from one command to the next, as a share of what is held."""
+        jump = stiffness * self._setup.scenario.swing_speed / (servo.rate or np.inf)
         return jump / self._held_torque()
 
     def _held_torque(self) -> float:
+        """Torque that friction holds at the end of a leg [N m]."""
         friction = max(self._setup.scenario.friction, LEAST_FRICTION)
         return friction * carried_torque(self._setup)
 
@@ -144,7 +140,7 @@ class Drive:
 
     def _sufficient(self, borne: Array, turned: Array) -> list[str]:
         """Makes that would walk a stretch, by torques and speeds, the weakest first."""
-        setup, strong = self._setup, dict[str, float]()
+        setup, strong = self._setup, list[tuple[float, str]]()
         for name in SERVO_KINDS:
             scenario = replace(setup.scenario, servo=name)
             servo = servo_settings(scenario, setup.robot.card)
@@ -152,8 +148,8 @@ class Drive:
             slow = kind is not None and 0 < kind.profile_speed < turned.max()
             gentle = self._jump(servo, servo.stiffness or 0.0) <= 1
             if gentle and not slow and _needed(servo, borne, turned).max() <= most:
-                strong[name] = most
-        return sorted(strong, key=lambda name: strong[name])
+                strong.append((most, name))
+        return [name for _, name in sorted(strong)]
 
     def _require_pace(self, fastest: float) -> None:
         """Refuse a speed that servos are not set to go at [rad/s]."""
