@@ -19,9 +19,7 @@ from sim.scenarios.declaration import read
 from sim.scenarios.settings import SETTINGS
 
 DESCRIPTION = "Plan how a legged robot walks from its equations, and walk it in MuJoCo."
-EPILOG = (
-    "stratawalk help COMMAND explains a command; stratawalk scenarios line, the settings."
-)
+EPILOG = "stratawalk help COMMAND explains a command, scenarios line the settings."
 OPTIONS = ("-h", "--help", "--version")  # that need no command
 SAME = {"version": "--version", "-V": "--version"}
 PLACE = "the command line"
