@@ -111,7 +111,7 @@ def coordinates(words: Sequence[str], option: str) -> dict[str, float]:
         try:
             values[name] = float(value)
         except ValueError:
-            what = f"{word!r} gives no coordinate a value"
+            what = f"{word!r} gives no value"
             raise UsageError(what, option, "write NAME=VALUE, as in x=1") from None
     return values
 

@@ -184,7 +184,7 @@ def test_a_slip_of_the_finger_is_answered_with_what_was_meant(words, meant, caps
         ("settings", "try stratawalk scenarios line, which lists all"),
         ("robots --list", "leave it out: stratawalk robots"),
         ("plan car --plot", "of a system --save plan.json, and plot"),
-        ("plan unicycle --goal y 2", "'y' gives no coordinate a value: --goal; write"),
+        ("plan unicycle --goal y 2", "'y' gives no value: --goal; write"),
     ],
 )
 def test_a_first_guess_is_answered_with_a_command_that_works(

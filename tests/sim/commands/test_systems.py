@@ -258,11 +258,7 @@ def test_list_of_systems_has_parameters(facts):
         ("plan line --goal x=1", 2, "--goal is for systems: line; set a scenario's pa"),
         ("plan car --goal x=1e308", 2, "x = 1e.308: car; give one below 1e.100"),
         ("plan car --goal z=1", 2, "goal has z, which is unknown: car; there are x,"),
-        (
-            "plan car --goal z",
-            2,
-            "'z' gives no coordinate a value: --goal; write NAME=VALUE",
-        ),
+        ("plan car --goal z", 2, "'z' gives no value: --goal; write NAME=VALUE"),
         (
             "plan car --elements drive stear",
             2,
@@ -274,7 +270,7 @@ def test_list_of_systems_has_parameters(facts):
         ("plan finger-gaiting --segments 3", 4, "plan at least 7 segments"),
         ("check hexapod --set radius=1", 2, "a robot has no parameters: --set"),
         ("check car --depth 0", 2, "depth is 0: car; at least 1 is needed"),
-        ("check car --at x=y", 2, "'x=y' gives no coordinate a value: --at"),
+        ("check car --at x=y", 2, "'x=y' gives no value: --at"),
         ("plan car --set length=1 --set length=2", 2, "given twice: --set length"),
         ("check car --at x=1 x=2", 2, "x is given twice: --at; keep one of them"),
         (
