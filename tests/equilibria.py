@@ -12,13 +12,13 @@ def require_equilibrium(contact, found):
     """
     u, f = motion(contact, found.twist, found.force), found.force
     normal, along = f[..., 2], np.linalg.norm(f[..., :2], axis=-1)
-    gap = contact.gap + u[..., 2] + contact.floor * normal
+    way = np.linalg.norm(u[..., :2], axis=-1)
+    gap = contact.gap + u[..., 2] + contact.floor * normal - contact.push * way
     pressed = normal > 1e-5
     assert normal.min() > -1e-6
     assert gap[~pressed].min(initial=0) > -1e-9
     assert np.abs(gap[pressed]).max(initial=0) < 1e-9
     assert (along - contact.friction * normal).max() < 1e-6
-    way = np.linalg.norm(u[..., :2], axis=-1)
     inside = along < contact.friction * normal - 2e-6
     assert way[inside].max(initial=0) < 2e-9  # both directions together
     slides = pressed & (way > 1e-6)

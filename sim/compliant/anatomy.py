@@ -62,6 +62,7 @@ class Robots(Lanes):
     radius: Array  # from the soles' points down to the floor, (B, F, K) [m]
     floor: Array  # compliance under every point, (B, F, K) [m/N]
     friction: Array  # along the legs, (B, F, K)
+    push: Array  # of the floor on feet that slide, over friction and speed, (B,) [s]
     across: Array  # friction across the legs over that along them, (B, F)
     gravity: Array  # (B, 3) [m/s^2]
     body_mass: Array  # (B,) [kg]
@@ -147,6 +148,7 @@ def robots_of(robot: Robot, model: mujoco.MjModel, anatomy: Anatomy) -> Robots:
         "radius": anatomy.radius,
         "floor": np.repeat((ground.contact * share)[:, None], points, axis=1),
         "friction": np.repeat(np.transpose([ground.frictions]), points, axis=1),
+        "push": ground.push,
         "across": np.ones(feet),
         "gravity": model.opt.gravity,
         "body_mass": anatomy.body_mass,

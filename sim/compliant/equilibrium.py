@@ -3,13 +3,14 @@
 Unknown are the body's step, a twist of six numbers, and the forces of the floor. With
 the feet's motion u = G xi + u0 + C f the floor asks of every point
 
-    normal     0 <= f_n  _|_  z + u_n + f_n / k_n >= 0
+    normal     0 <= f_n  _|_  z + u_n - p |u_t| + f_n / k_n >= 0
     friction   |f_t| <= mu f_n,  u_t = 0 inside the cone,  u_t = -lambda f_t on it
     body       sum of G^T f + w - M xi = 0
 
 which Alart and Curnier (1991) write as equations that are smooth almost everywhere.
 Newton's method solves them: the points of a foot are eliminated, six unknowns are left.
-Friction is Coulomb's own law and not the associated one, whose feet rise as they slide.
+Where p is 0, friction is Coulomb's own law and not the associated one, p = mu. The soft
+contacts of the engine are in between: in proportion to its speed, sliding lifts a foot.
 All arrays have a leading axis of lanes, problems that are solved side by side.
 """
 
@@ -59,6 +60,7 @@ class Contact(Lanes):
     friction: Array  # mu, (B, F, K)
     wrench: Array  # on the body, w, (B, 6) [N], [N m]
     inertia: Array  # M, over the square of the time, (B, 6, 6)
+    push: Array  # of sliding over its way, p, (B, F, K)
     side: Array | None = None  # of their backlash where joints are at first, (B, F, J)
     number: Array | None = None  # of the lane, for `Give`, (B,), int
 
@@ -195,6 +197,7 @@ class _State(Lanes):
     lifted: Array
     along: Array  # where it would slide, of length 1, (B, F, K, 2)
     share: Array  # bound of friction over the force that is tried, (B, F, K)
+    rise: Array  # by which motion along the floor pushes it up, (B, F, K, 2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -213,16 +216,18 @@ class _Law(Lanes):
         return cls(scale[0] / own[..., 2], 2 * scale[1] / (own[..., 0] + own[..., 1]))
 
     def at(self, contact: Contact, twist: Array, force: Array, u: Array) -> _State:
-        gap = contact.gap + u[..., 2] + contact.floor * force[..., 2]
-        pressed = force[..., 2] - self.normal * gap
         tried = force[..., :2] - self.tangent[..., None] * u[..., :2]
-        bound = contact.friction * np.maximum(pressed, 0.0)
         size = np.sqrt((tried * tried).sum(axis=-1))
+        safe = np.where(size > 0, size, 1.0)
+        along = tried / safe[..., None]
+        way = np.maximum(-(along * u[..., :2]).sum(axis=-1), 0.0)
+        gap = contact.gap + u[..., 2] + contact.floor * force[..., 2]
+        gap -= contact.push * way
+        pressed = force[..., 2] - self.normal * gap
+        bound = contact.friction * np.maximum(pressed, 0.0)
         on = pressed > 0
         sticks = on & (size <= bound)
         slides = on & ~sticks
-        safe = np.where(size > 0, size, 1.0)
-        along = tried / safe[..., None]
         wrong = force.copy()
         wrong[..., 2] = np.where(on, self.normal * gap, force[..., 2])
         limit = np.where(slides, bound, 0.0)[..., None] * along
@@ -239,8 +244,9 @@ class _Law(Lanes):
         turned = np.abs(unbalanced[:, 3:]).max(axis=1) / ARM
         balance = np.maximum(np.abs(unbalanced[:, :3]).max(axis=1), turned) / FORCE
         error = np.maximum(law.max(axis=(1, 2)), balance)
+        rise = -(contact.push * (way > 0))[..., None] * along
         return _State(
-            wrong, unbalanced, error, sticks, slides, ~on, along, bound / safe
+            wrong, unbalanced, error, sticks, slides, ~on, along, bound / safe, rise
         )
 
 
@@ -287,6 +293,7 @@ def _derivatives(contact: Contact, law: _Law, state: _State) -> tuple[Array, Arr
     A[..., 2, 2] = A[..., 0, 0] = A[..., 1, 1] = state.lifted
     Q[..., 2, 2] = np.where(state.lifted, 0.0, law.normal)
     Q[..., 0, 0] = Q[..., 1, 1] = np.where(state.sticks, law.tangent, 0.0)
+    Q[..., 2, :2] = -Q[..., 2, 2, None] * state.rise
     if state.slides.any():
         e, slides = state.along, state.slides[..., None, None]
         turn = state.share[..., None, None] * (
@@ -297,4 +304,6 @@ def _derivatives(contact: Contact, law: _Law, state: _State) -> tuple[Array, Arr
         cone = np.where(state.slides, contact.friction, 0.0)[..., None] * e
         A[..., :2, 2] -= cone
         Q[..., :2, 2] += cone * law.normal[..., None]
+        rise = law.normal[..., None] * state.rise
+        Q[..., :2, :2] -= cone[..., None] * rise[..., None, :]
     return A, Q

@@ -125,6 +125,7 @@ class Mechanics:
             friction=robots.friction,
             wrench=wrench + (inertia @ coast[..., None])[..., 0],
             inertia=inertia,
+            push=robots.friction * (robots.push / h)[:, None, None],
             side=_side(robots, state.loose),
             number=np.arange(len(h)),
         )

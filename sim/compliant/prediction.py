@@ -1,6 +1,7 @@
 """The compliant prediction of a walk, from its phases and the commands of its servos.
 
-It is a second, independent physics: exact Coulomb friction, springs, statics.
+It is a second physics: exact friction, springs, statics. With the engine it shares the
+rule by which sliding pushes contacts apart, and so loads feet where many of them slide.
 """
 
 from __future__ import annotations
