@@ -43,11 +43,6 @@ class Anatomy:
     inertia: Array  # of the whole robot about its centre of mass, (3, 3) [kg m^2]
     turned: Array  # rotation of the root where the model starts, (3, 3)
 
-    @property
-    def mass(self) -> float:
-        """Of the whole robot [kg]."""
-        return self.body_mass + float(self.link_mass.sum())
-
 
 @dataclass(frozen=True, eq=False)
 class Robots(Lanes):
@@ -153,7 +148,7 @@ def robots_of(robot: Robot, model: mujoco.MjModel, anatomy: Anatomy) -> Robots:
         "gravity": model.opt.gravity,
         "body_mass": anatomy.body_mass,
         "body_center": anatomy.body_center,
-        "mass": anatomy.mass,
+        "mass": anatomy.body_mass + anatomy.link_mass.sum(),
     }
     return Robots(**{name: np.array([value]) for name, value in one.items()})
 

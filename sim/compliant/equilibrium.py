@@ -95,8 +95,7 @@ def equilibrium(
     """
     found = _newton(contact, twist, force, SCALES[0], give)
     for attempt, scale in enumerate(SCALES[1:]):
-        left = np.flatnonzero(~found.holds)
-        if not len(left):
+        if not len(left := np.flatnonzero(~found.holds)):
             break
         guess = twist[left] * (attempt % 2)
         again = _newton(contact.take(left), guess, force[left], scale, give)
@@ -166,11 +165,9 @@ def _newton(
         state = law.at(contact, twist, force, motion(contact, twist, force, turned))
         state.error[~settled] = np.inf
         better = state.error < best.error[lanes]
-        ahead = lanes[better]
-        best.twist[ahead], best.force[ahead] = twist[better], force[better]
-        best.error[ahead] = state.error[better]
-        left = best.error[lanes] > 1
-        if not left.any():
+        for mine, new in zip(best, (twist, force, state.error), strict=True):
+            mine[lanes[better]] = new[better]
+        if not (left := best.error[lanes] > 1).any():
             break
         if left.mean() < 0.7:
             lanes, twist, force = lanes[left], twist[left], force[left]
@@ -197,7 +194,7 @@ class _State(Lanes):
     lifted: Array
     along: Array  # where it would slide, of length 1, (B, F, K, 2)
     share: Array  # bound of friction over the force that is tried, (B, F, K)
-    rise: Array  # by which motion along the floor pushes it up, (B, F, K, 2)
+    closes: Array  # derivative of the gap by the motion, (B, F, K, 3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -211,15 +208,13 @@ class _Law(Lanes):
     def of(
         cls, contact: Contact, compliance: Array, scale: tuple[float, float]
     ) -> _Law:
-        own = np.diagonal(compliance, axis1=2, axis2=3)
-        own = own.reshape(*contact.gap.shape, 3)
+        own = np.diagonal(compliance, axis1=2, axis2=3).reshape(*contact.gap.shape, 3)
         return cls(scale[0] / own[..., 2], 2 * scale[1] / (own[..., 0] + own[..., 1]))
 
     def at(self, contact: Contact, twist: Array, force: Array, u: Array) -> _State:
         tried = force[..., :2] - self.tangent[..., None] * u[..., :2]
-        size = np.sqrt((tried * tried).sum(axis=-1))
-        safe = np.where(size > 0, size, 1.0)
-        along = tried / safe[..., None]
+        size = np.sqrt((tried * tried).sum(axis=-1)) + 1e-200
+        along = tried / size[..., None]
         way = np.maximum(-(along * u[..., :2]).sum(axis=-1), 0.0)
         gap = contact.gap + u[..., 2] + contact.floor * force[..., 2]
         gap -= contact.push * way
@@ -233,20 +228,20 @@ class _Law(Lanes):
         limit = np.where(slides, bound, 0.0)[..., None] * along
         wrong[..., :2] -= np.where(sticks[..., None], tried, limit)
         pull = (np.swapaxes(contact.reach, 2, 3) @ _flat(force)[..., None]).sum(axis=1)
-        held = contact.inertia @ twist[..., None]
-        unbalanced = (pull - held)[..., 0] + contact.wrench
+        rest = (pull - contact.inertia @ twist[..., None])[..., 0] + contact.wrench
         off = np.abs(wrong)
         ways = off[..., :2].max(axis=-1) / np.where(sticks, WAY * self.tangent, FORCE)
         gaps = off[..., 2] / np.where(on, WAY * self.normal, FORCE)
         rubbing = np.sqrt((force[..., :2] ** 2).sum(axis=-1))
         beyond = rubbing - contact.friction * np.maximum(force[..., 2], 0.0)
         law = np.maximum(np.maximum(ways, gaps), beyond / FORCE)
-        turned = np.abs(unbalanced[:, 3:]).max(axis=1) / ARM
-        balance = np.maximum(np.abs(unbalanced[:, :3]).max(axis=1), turned) / FORCE
+        turned = np.abs(rest[:, 3:]).max(axis=1) / ARM
+        balance = np.maximum(np.abs(rest[:, :3]).max(axis=1), turned) / FORCE
         error = np.maximum(law.max(axis=(1, 2)), balance)
-        rise = -(contact.push * (way > 0))[..., None] * along
+        closes = np.ones_like(force)
+        closes[..., :2] = (contact.push * (way > 0))[..., None] * along
         return _State(
-            wrong, unbalanced, error, sticks, slides, ~on, along, bound / safe, rise
+            wrong, rest, error, sticks, slides, ~on, along, bound / size, closes
         )
 
 
@@ -263,10 +258,9 @@ def _step(
     A df + Q du = -wrong with du = G dxi + D df; every foot is eliminated on its own.
     """
     A, Q = _derivatives(contact, law, state)
-    points = contact.gap.shape[-1]
+    each = range(contact.gap.shape[-1])
     QD, QG = blocks(Q, compliance), blocks(Q, contact.reach)
-    block = QD.reshape(*QD.shape[:2], points, 3, points, 3)
-    each = np.arange(points)
+    block = QD.reshape(*QD.shape[:2], len(each), 3, len(each), 3)
     block[:, :, each, :, each] += np.moveaxis(A, 2, 0)
     P = np.linalg.inv(QD)
     PQG, PF = P @ QG, (P @ _flat(state.wrong)[..., None])
@@ -281,9 +275,8 @@ def _step(
 
 def blocks(Q: Array, other: Array) -> Array:
     """Blocks (B, F, K, 3, 3) on the diagonal times matrices (B, F, n, m)."""
-    shape = other.shape
-    rows = other.reshape(*shape[:2], -1, 3, shape[3])
-    return (Q @ rows).reshape(shape)
+    rows = other.reshape(*other.shape[:2], -1, 3, other.shape[3])
+    return (Q @ rows).reshape(other.shape)
 
 
 def _derivatives(contact: Contact, law: _Law, state: _State) -> tuple[Array, Array]:
@@ -291,9 +284,9 @@ def _derivatives(contact: Contact, law: _Law, state: _State) -> tuple[Array, Arr
     shape = (*state.lifted.shape, 3, 3)
     A, Q = np.zeros(shape), np.zeros(shape)
     A[..., 2, 2] = A[..., 0, 0] = A[..., 1, 1] = state.lifted
-    Q[..., 2, 2] = np.where(state.lifted, 0.0, law.normal)
+    by_gap = law.normal[..., None] * state.closes
+    Q[..., 2, :] = np.where(state.lifted[..., None], 0.0, by_gap)
     Q[..., 0, 0] = Q[..., 1, 1] = np.where(state.sticks, law.tangent, 0.0)
-    Q[..., 2, :2] = -Q[..., 2, 2, None] * state.rise
     if state.slides.any():
         e, slides = state.along, state.slides[..., None, None]
         turn = state.share[..., None, None] * (
@@ -303,7 +296,5 @@ def _derivatives(contact: Contact, law: _Law, state: _State) -> tuple[Array, Arr
         Q[..., :2, :2] += np.where(slides, turn, 0.0) * law.tangent[..., None, None]
         cone = np.where(state.slides, contact.friction, 0.0)[..., None] * e
         A[..., :2, 2] -= cone
-        Q[..., :2, 2] += cone * law.normal[..., None]
-        rise = law.normal[..., None] * state.rise
-        Q[..., :2, :2] -= cone[..., None] * rise[..., None, :]
+        Q[..., :2, :] += cone[..., None] * by_gap[..., None, :]
     return A, Q

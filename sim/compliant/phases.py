@@ -57,6 +57,9 @@ class Motion(NamedTuple):
         return Motion(time, *(mixed(values) for values in self[1:]))
 
 
+Motions = tuple[Motion, ...]  # of every robot, from the begin of a phase
+
+
 class Likeness(NamedTuple):
     """What tells phases of one kind from those of others that last as long."""
 
@@ -64,11 +67,7 @@ class Likeness(NamedTuple):
     heading: float  # of the body as it begins [rad]
 
 
-class Kind(NamedTuple):
-    """Phases that are alike, and what every robot does in them."""
-
-    like: Likeness
-    motions: tuple[Motion, ...]  # time and slip from their begin, the first moment
+Kind = tuple[Likeness, Motions]  # phases that are alike, and what happens in them
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,10 +92,7 @@ class Phases:
     kinds: dict[tuple[int, ...], list[Kind]] = field(default_factory=dict)
 
     def follow(self, course: Course) -> Motion:
-        """The motion of the first robot in a whole walk.
-
-        Raises MeasurementError where the robot tips over, or no equilibrium is found.
-        """
+        """The motion of the first robot in a whole walk, as `follow_all` finds it."""
         return next(self.follow_all(course))
 
     def follow_all(self, course: Course) -> Iterator[Motion]:
@@ -106,22 +102,22 @@ class Phases:
         """
         for _ in range(HEADINGS if self.leans else 1):
             found = self._found(course)
-            motion, headings = _composed(course, [kind.motions[0] for kind in found])
+            motion, headings = _composed(course, [motions[0] for motions in found])
             if np.abs(headings - course.heading).max(initial=0.0) <= SAME_HEADING:
                 break
             course = replace(course, heading=headings)
         yield motion
         for other in range(1, len(self.robots.mass)):
-            yield _composed(course, [kind.motions[other] for kind in found])[0]
+            yield _composed(course, [motions[other] for motions in found])[0]
 
     @property
     def leans(self) -> bool:
         """Whether gravity has a direction along the floor."""
         return bool(self.robots.gravity[:, :2].any())
 
-    def _found(self, course: Course) -> list[Kind]:
-        """The kind of every phase; those that are new are computed."""
-        known = {shape: [k.like for k in kinds] for shape, kinds in self.kinds.items()}
+    def _found(self, course: Course) -> list[Motions]:
+        """What every robot does in each phase; kinds that are new are computed."""
+        known = {s: [like for like, _ in kinds] for s, kinds in self.kinds.items()}
         where, new = [], []
         for phase in range(len(course.spans)):
             shape, like = _window(course, phase)
@@ -134,8 +130,8 @@ class Phases:
             where.append((shape, number))
         for phase, motions in list(self._computed(course, new)):  # all, or none at all
             shape, number = where[phase]
-            self.kinds.setdefault(shape, []).append(Kind(known[shape][number], motions))
-        return [self.kinds[shape][number] for shape, number in where]
+            self.kinds.setdefault(shape, []).append((known[shape][number], motions))
+        return [self.kinds[shape][number][1] for shape, number in where]
 
     def _same(self, one: Likeness, other: Likeness) -> bool:
         near = not self.leans or abs(one.heading - other.heading) <= SAME_HEADING
@@ -143,7 +139,7 @@ class Phases:
 
     def _computed(
         self, course: Course, new: Sequence[int]
-    ) -> Iterator[tuple[int, tuple[Motion, ...]]]:
+    ) -> Iterator[tuple[int, Motions]]:
         """What every robot does in new phases, walked in pieces side by side."""
         robots, spans = len(self.robots.mass), course.spans * course.commands.timestep
         pieces = list(_pieces(new, np.diff(spans)[:, 0], robots))

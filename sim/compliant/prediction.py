@@ -1,7 +1,6 @@
 """The compliant prediction of a walk, from its phases and the commands of its servos.
 
-It is a second physics: exact friction, springs, statics. With the engine it shares the
-rule by which sliding pushes contacts apart, and so loads feet where many of them slide.
+It is a second physics; sliding pushes contacts apart in it as in the engine.
 """
 
 from __future__ import annotations
@@ -73,9 +72,8 @@ def course_along(
 ) -> Course:
     """The course of any commands, rows (T, nu) of ctrl, for legs of any joints [rad].
 
-    Phases are given by `spans` as those of a `Course`; they need no contacts, and those
-    of equal commands are computed once, such as the periods of a gait. A heading counts
-    where the floor leans, and a guess will do.
+    Phases are given by `spans` as those of a `Course`; they need no contacts. A heading
+    counts where the floor leans, and a guess will do.
     """
     dt, rate = setup.limits.timestep, setup.servo.rate
     rows, ends = ctrl[:, phases.mechanics.anatomy.actuator], spans[:, 1] * dt
@@ -116,10 +114,7 @@ def foreseen(
     times: Array,
     contact: Array,
 ) -> CompliantPrediction:
-    """The prediction of a walk at times (T,) [s], with its planned contacts (T, F).
-
-    Raises MeasurementError where the robot tips over, or no equilibrium is found.
-    """
+    """The prediction of a walk at times (T,) [s], with its planned contacts (T, F)."""
     phases = phases_of(setup)
     motion = phases.follow(course_of(setup, phases, legs, rows)).at(times)
     real = phases.mechanics.anatomy.axis.any(axis=-1)

@@ -89,16 +89,15 @@ def _on_paper(evidence: Evidence) -> str:
     share = evidence.on_paper(judge)
     if scenario.replan or share <= (evidence.weighed.goal or 0.0) / 2:
         return ""
+    told = {"percent": 100 * share, "label": PREDICTIONS[judge].label}
     groups = evidence.walk.setup.robot.card.groups.values()
     if scenario.fields == "paper" and not any(group.twist for group in groups):
         # a card that gives twists claims them as the paper does
-        return say("on_paper", "dragging", percent=100 * share)
+        return say("on_paper", "dragging", **told)
     followed = prediction_key(scenario.steer) == judge
     if followed or evidence.on_paper(IDEAL.key) > share / 2:
-        twice = 2 * scenario.segments
-        return say("on_paper", "coarse", percent=100 * share, twice=twice)
-    label = PREDICTIONS[judge].label
-    return say("on_paper", "other", percent=100 * share, label=label)
+        return say("on_paper", "coarse", twice=2 * scenario.segments, **told)
+    return say("on_paper", "other", **told)
 
 
 def _scaled_down(evidence: Evidence) -> str:

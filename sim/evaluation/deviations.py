@@ -17,6 +17,7 @@ from models import IdentifiedTwists, MeasurementError, TwistModel
 from planner import Array, Path
 from sim.evaluation.summary import (
     DEGREE,
+    NEAR,
     Departure,
     PerMetre,
     PredictionError,
@@ -36,7 +37,6 @@ from sim.scenarios.predictions import (
 )
 from sim.walking.finished import Walk
 
-NEAR = 0.02  # of the path: with yaw within a degree, as good as there
 SWAY = 0.25  # of the feet's distance from the middle
 LEAST_WAY = 0.01  # of that distance
 TRUSTED_MISS = 0.05  # of the path that a measured prediction may miss

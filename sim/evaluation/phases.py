@@ -28,8 +28,8 @@ def phase_slip(walk: Walk, phase: Phase) -> Array:
 
 def swing_slip(walk: Walk) -> float:
     """Slip of all feet in all swings [m]."""
-    swings = [phase for phase in walk.phases if phase.kind == "swing"]
-    return float(sum(phase_slip(walk, phase).sum() for phase in swings))
+    slips = (phase_slip(walk, p).sum() for p in walk.phases if p.kind == "swing")
+    return float(sum(slips))
 
 
 def standing_slip(walk: Walk, slip: Array | None = None) -> Array:
@@ -94,9 +94,8 @@ def as_planned(walk: Walk, phase: Phase) -> bool:
     """Whether feet that neither lift nor land were in contact as planned throughout."""
     robot = walk.setup.robot
     planned = phase.planted(robot)
-    asked = np.ones(len(planned), dtype=bool)
-    if phase.kind in ("lift", "land"):
-        asked = ~np.isin(robot.group_of_leg, phase.moving)
+    changing = phase.moving if phase.kind in ("lift", "land") else ()
+    asked = ~np.isin(robot.group_of_leg, changing)
     contact = walk.recording.contacts.between(phase.start + 1, phase.stop)
     return bool((contact[:, asked] == planned[asked]).all())
 

@@ -13,6 +13,7 @@ from typing import Any, Self
 from sim.scenarios.predictions import PREDICTIONS, who_ignores
 
 DEGREE = math.radians(1)  # of yaw, from which on it is put into words
+NEAR = 0.02  # of the path: with yaw within a degree, as good as there
 
 
 class Numbers(Mapping[str, Any]):
@@ -83,11 +84,7 @@ class Predicted(Numbers):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Weighed(Numbers):
-    """What verdict and tolerance weigh: distances from goal and prediction.
-
-    Yaw counts as the way that it moves the feet, as far as it is worth a word: where
-    both ends are within `NEAR` and a degree, the position alone counts.
-    """
+    """What verdict and tolerance weigh: distances from goal and prediction."""
 
     prediction: str  # key of the one that the walk is judged by
     radius: float  # mean distance of the feet from the middle [m]
@@ -96,15 +93,21 @@ class Weighed(Numbers):
     ended: float  # from the prediction at the end
     farthest: float  # from the prediction at most
 
+    @property
+    def ended_well(self) -> bool:
+        """Whether it is by goal and prediction; otherwise all shares contain yaw."""
+        return max(self.goal or 0.0, self.ended) <= NEAR
+
     def beyond(self, tolerance: float) -> str:
         """What is farther off than a share of the path, in words; empty if nothing."""
         name = PREDICTIONS[self.prediction].label
         found = {"its goal": self.goal, f"the {name} prediction": self.farthest}
-        return " and ".join(
+        words = " and ".join(
             f"{100 * share:.3g} % of its path off {what}"
             for what, share in found.items()
             if share is not None and share > tolerance
         )
+        return words if self.ended_well or not words else f"{words}, yaw included"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

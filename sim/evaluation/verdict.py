@@ -9,9 +9,9 @@ import numpy as np
 
 from planner import Array
 from sim.evaluation.causes import Evidence, likely_cause
-from sim.evaluation.deviations import NEAR, departure
+from sim.evaluation.deviations import departure
 from sim.evaluation.phases import standing_slip
-from sim.evaluation.summary import Departure, Weighed
+from sim.evaluation.summary import NEAR, Departure, Weighed
 from sim.motion.poses import tilt, wrap
 from sim.motion.prediction import Prediction
 from sim.scenarios.predictions import PREDICTIONS
@@ -49,7 +49,7 @@ def judge(evidence: Evidence, judged: Array) -> Verdict:
     word, how = (
         _fell(evidence, judged)
         or _collided(walk)
-        or _missed(weighed)
+        or _missed(evidence)
         or _drifted(evidence, judged)
         or _slipped(walk, best, weighed)
         or ("arrived", "")
@@ -89,24 +89,34 @@ def _collided(walk: Walk) -> Found:
     return ("collided", f"collided: {' and '.join(touched)}") if touched else None
 
 
-def _missed(weighed: Weighed) -> Found:
-    if weighed.goal is None or weighed.goal <= TOLERATED:
+def _missed(evidence: Evidence) -> Found:
+    weighed, goal = evidence.weighed, evidence.walk.setup.scenario.goal
+    if goal is None or weighed.goal is None or weighed.goal <= TOLERATED:
         return None
-    share = f"{100 * weighed.goal:.1f} % of the path, yaw included"
-    return "missed", f"missed its goal by {share}"
+    off = departure(evidence.achieved.pose[-1], np.array(goal))
+    return "missed", f"missed its goal by {_share(weighed, weighed.goal, off)}"
+
+
+def _share(weighed: Weighed, share: float, off: Departure) -> str:
+    """A share of the path, and what yaw has to do with it, where it counts."""
+    words = f"{100 * share:.1f} % of the path"
+    if weighed.ended_well:
+        return words
+    if weighed.radius * off.yaw <= off.position:
+        return f"{words}, yaw included"
+    return f"{words}, most of it by a yaw of {np.rad2deg(off.yaw):.2g} degrees"
 
 
 def _drifted(evidence: Evidence, judged: Array) -> Found:
     """Whether it was off its prediction; where it ended well, the way counts less."""
     weighed = evidence.weighed
-    ended_well = max(weighed.goal or 0.0, weighed.ended) <= NEAR
-    if weighed.farthest <= (ASTRAY if ended_well else TOLERATED):
+    if weighed.farthest <= (ASTRAY if weighed.ended_well else TOLERATED):
         return None
     apart = evidence.achieved.pose[judged] - evidence.best.pose[judged]
     far, turned = np.hypot(*apart[:, :2].T).max(), np.abs(wrap(apart[:, 2])).max()
     off = Departure(position=float(far), yaw=float(turned))
-    name, share = PREDICTIONS[weighed.prediction].label, 100 * weighed.farthest
-    where = f"up to {off} off the {name} prediction, {share:.1f} % of the path"
+    name, share = PREDICTIONS[weighed.prediction].label, weighed.farthest
+    where = f"up to {off} off the {name} prediction, {_share(weighed, share, off)}"
     return "drifted", f"drifted: it was {where}"
 
 

@@ -35,8 +35,8 @@ ERROR_HEIGHT = 1.75  # [in]
 WAYS = ("along", "across")
 DASHES: Sequence[object] = ("-", (0, (4, 1.5)), (0, (1, 1)))
 NOTE = (
-    "The ring is the goal. The body does not follow the nominal path itself but swings "
-    "about it: it moves forward and back, and parks sideways."
+    "The ring is the goal. A body that brackets move, sideways for example, leaves the "
+    "nominal path: it goes forward and back, as one parks a car."
 )
 SHARES = (
     "Over the share of the walk that is done [%]: the largest in each segment, "

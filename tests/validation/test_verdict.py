@@ -191,7 +191,7 @@ def test_what_is_beyond_the_tolerance_ends_with_seven(tmp_path, capsys):
     out, err = capsys.readouterr()
     assert out.startswith("Missed its goal by ")
     assert "the plan itself misses it by" in out
-    assert "of its path off its goal, beyond --tolerance 0.25: line on" in err
+    assert "off its goal, yaw included, beyond --tolerance 0.25: line on" in err
     again = [*walk, "--out", str(tmp_path / "other"), "--tolerance"]
     assert main([*again, "none"]) == 0
 

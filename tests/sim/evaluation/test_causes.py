@@ -143,14 +143,14 @@ def planned_aside(evidence, *names):
 
 def test_a_plan_that_misses_on_paper_asks_for_segments_or_another_prediction(evidence):
     both = likely_cause("missed", planned_aside(evidence, "ideal", "quasi_static"))
-    assert "misses it by 40" in both
+    assert "by the quasi-static prediction the plan itself misses it by 40" in both
     assert "(--segments 2), or plan again on the way" in both
     real = likely_cause("missed", planned_aside(evidence, "quasi_static"))
     assert "--steer quasi-static finds a plan if they can reach it" in real
     paper = with_settings(planned_aside(evidence, "quasi_static"), fields="paper")
     assert "never lifted drag: --set fields=lifted" in likely_cause("missed", paper)
     none = likely_cause("missed", planned_aside(evidence))
-    assert "on paper" not in none
+    assert "the plan itself" not in none
 
 
 def test_a_robot_that_touches_itself_needs_smaller_strokes(evidence):

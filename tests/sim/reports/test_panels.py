@@ -60,7 +60,9 @@ def test_long_walks_have_bands_until_the_page_is_zoomed(walked, monkeypatch):
 
 def test_the_reason_of_slip_is_given_where_it_was_foreseen(walked):
     run = read_run(walked)
-    assert "feet of legs with two joints have to slide" in tables.sentences(run)[2]
+    assert "feet of legs with two joints have to slide" in tables.sentences(run)[3]
     achieved = replace(run.summary.achieved, slip=10 * run.summary.achieved.slip)
     lost = replace(run, summary=replace(run.summary, achieved=achieved))
-    assert "prediction has only" in tables.sentences(lost)[2]
+    assert "prediction has only" in tables.sentences(lost)[3]
+    missed = replace(run, summary=replace(run.summary, verdict="missed"))
+    assert "normal" not in tables.sentences(missed)[3]
