@@ -23,7 +23,7 @@ from sim.world.imperfections import BACKLASH, turned
 
 TURNS = 8  # of practice, at most: on counts they do not converge, the best is taken
 LOOSE_TURNS = 4  # within backlash nothing brakes a joint, and further shifts shake it
-NEAR = 0.002  # of the reach, that a turn may miss the end by for practice to end
+WELL_MET = 0.002  # of the reach, that a turn may miss the end by for practice to end
 PART = 0.7  # of what was missed, that is added after a turn
 
 
@@ -79,7 +79,7 @@ class Practice:
             off = pose - goal
             miss = float(np.hypot(*off[:2]) + reach * abs(wrap(off[2])))
             tried.append((miss, shifts, loose.engine.moment, loose.drive))
-            if turn and miss <= NEAR * reach:
+            if turn and miss <= WELL_MET * reach:
                 break
             missed = wanted.values + self._shift - reached.values
             shift = np.clip(shift + PART * missed, -self._width, self._width)
