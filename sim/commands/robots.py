@@ -23,7 +23,7 @@ from sim.commands import options as cli
 from sim.errors import UsageError
 from sim.folder import whole
 from sim.interruption import processor_time
-from sim.preparation.inspection import describe, facts_of, inspected
+from sim.preparation.inspection import facts_of, inspected
 from sim.preparation.setup import Setup, prepare
 from sim.progress import Progress, bar, stage
 from sim.scenarios.file import load_scenario
@@ -57,7 +57,7 @@ def _show(options: argparse.Namespace) -> None:
     scenario = load_scenario("line", {"robot": options.robot})
     with cli.working(options, "trying it out"):
         found = inspected(scenario, cli.robot_of(options, scenario.robot))
-    cli.report(options, found, describe(found))
+    cli.report(options, found, render("robot.txt", **found))
 
 
 def adopt(options: argparse.Namespace) -> None:
@@ -75,7 +75,7 @@ def adopt(options: argparse.Namespace) -> None:
     path, external = source.path, setup.robot.opened.external
     told = {"written": files, "guesses": draft.guesses, "robot": found}
     text = render("adopted.txt", path=path, external=external, **told)
-    cli.report(options, told, describe(found), text)
+    cli.report(options, told, render("robot.txt", **found), text)
 
 
 def _adopted(options: argparse.Namespace) -> tuple[Source, Draft, Setup, list[Path]]:

@@ -29,7 +29,6 @@ from sim.physics.standing import check_standing
 from sim.preparation.reach import immobile, lift_angle
 from sim.preparation.setup import Setup
 from sim.scenarios.scenario import Scenario
-from sim.templates import render
 from sim.world.changes import changes, overlaps
 from sim.world.model import World, build, load as load_world
 from sim.world.servos import joints_without_servo, servo_settings
@@ -165,8 +164,3 @@ def _facts(
         "lacks": list(lacks),
         "margins": {n: margin_at_rest(kinematics, n) for n in robot.card.strata},
     }
-
-
-def describe(robot: Facts) -> str:
-    """The facts in lines for a terminal."""
-    return render("robot.txt", **robot)

@@ -86,3 +86,15 @@ def test_a_servo_set_to_go_slowly_is_refused_with_its_register(scenario):
         drive.require_strength(schedule, nothing)
     faster = prepare(scenario(**sts, servo_data={"profile_speed": 5.0}))
     Drive(faster).require_strength(schedule, nothing)
+
+
+def test_a_run_leaves_open_what_follows_from_a_make_so_that_another_may_be_named(
+    scenario,
+):
+    for robot, left_open in (("hexapod-classroom", True), ("hexapod", False)):
+        setup = prepare(asked := scenario(robot=robot))
+        kept = setup.resolved(asked, robot)
+        assert (kept.servo_stiffness is None, kept.servo_damping is None) == (
+            left_open,
+            left_open,
+        )

@@ -6,7 +6,7 @@ from math import cos, sin
 import pytest
 
 from sim import cli
-from sim.preparation.inspection import describe, facts_of
+from sim.preparation.inspection import facts_of
 from sim.preparation.setup import prepare
 from tests import foreign
 
@@ -26,7 +26,8 @@ def test_the_hexapod_has_the_numbers_of_its_design(scenario):
 
 def test_a_robot_of_ones_own_is_shown_leg_by_leg(scenario, tmp_path):
     robot = str(foreign.mantis(tmp_path))
-    lines = describe(facts_of(prepare(scenario(robot=robot)))).splitlines()
+    facts = facts_of(prepare(scenario(robot=robot)))
+    lines = render("robot.txt", **facts).splitlines()
     (first,) = (line for line in lines if line.startswith("1 ") and "lf_1" in line)
     assert first.endswith("lf_2 -1.4 to 1.4, lf_3 held at 0.1")
     assert "gait        12 1 12 2 12, the groups of legs that stand in turn" in lines
