@@ -8,6 +8,7 @@ import pytest
 from sim import cli
 from sim.preparation.inspection import facts_of
 from sim.preparation.setup import prepare
+from sim.templates import render
 from tests import foreign
 
 
