@@ -50,6 +50,12 @@ class Draft:
         guesses: What was guessed, one line each.
         limbs: Legs in the order of their numbers, where the robot starts.
         gait: How it is to walk.
+
+    Example:
+        >>> from models import draft_card, load, source_of
+        >>> draft = draft_card(source_of(str(load("hexapod").path)))
+        >>> draft.card.splitlines()[1]
+        'lift_angle = 0.3'
     """
 
     card: str

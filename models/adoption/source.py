@@ -46,6 +46,11 @@ class Source:
         path: MJCF that the card will stand beside.
         text: That MJCF, where it has yet to be written; None if it is the given file.
         notes: What had to be made up, a sentence each.
+
+    Example:
+        >>> from models import load, source_of
+        >>> source_of(str(load("hexapod").path)).text is None
+        True
     """
 
     given: Path

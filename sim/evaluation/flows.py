@@ -47,4 +47,7 @@ def read(text: str) -> tuple[WalkedPhase, ...]:
     numbers = [number for p in phases for number in (p.start, p.end, p.amount, p.slip)]
     if not all(map(isfinite, numbers)):
         raise ValueError("flows.csv has a number that is not finite")
+    moments = [moment for p in phases for moment in (p.start, p.end)]
+    if moments != sorted(moments):
+        raise ValueError("flows.csv has phases out of their order")
     return phases

@@ -187,6 +187,11 @@ DAMAGES = {
         words(lambda text: re.sub(r"^0,0,[^,]*", "0,0,nan", text, flags=re.MULTILINE)),
         ALL,
     ),
+    "phases out of order": (
+        "flows.csv",
+        words(lambda text: text + text.splitlines()[3] + "\n"),
+        ALL,
+    ),
     "a film without end": (
         "scenario.toml",
         words(lambda text: text.replace("playback = 60.0", "playback = 1e-9")),
