@@ -107,9 +107,8 @@ def per_metre(length: float, seconds: float, strokes: float) -> PerMetre:
 def departure(pose: Array, other: Array) -> Departure:
     """How far a pose is from another one."""
     apart = pose - other
-    return Departure(
-        position=float(np.hypot(*apart[:2])), yaw=float(abs(wrap(apart[2])))
-    )
+    far = float(np.hypot(*apart[:2]))
+    return Departure(position=far, yaw=float(abs(wrap(apart[2]))))
 
 
 def off(poses: Array, others: Array, length: float, walked: float) -> PredictionError:
