@@ -33,7 +33,7 @@ from planner.planning import (
 from planner.support import unknown
 from planner.systems import ShapeCoordinates, ShapeLimits
 
-FARTHEST = 1e100  # of a coordinate; derivatives at larger ones overflow
+OVERFLOWING = 1e100  # of a coordinate; derivatives at larger ones overflow
 State = Mapping[str, float]  # values of coordinates by name
 Words = Literal["printed", "shortest", "symmetric"]
 COORDINATES: Mapping[Words, Coordinates] = {
@@ -167,7 +167,9 @@ def configuration(
     for name, value in given.items():
         if name not in names:
             raise ValueError(f"{what} has {name}, which {unknown(name, names)}")
-        if not abs(value) < FARTHEST:
-            raise ValueError(f"{what} has {name} = {value}; give one below {FARTHEST}")
+        if not abs(value) < OVERFLOWING:
+            raise ValueError(
+                f"{what} has {name} = {value}; give one below {OVERFLOWING}"
+            )
         state[names.index(name)] = value
     return state
