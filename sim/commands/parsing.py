@@ -19,7 +19,10 @@ from sim.scenarios.declaration import read
 from sim.scenarios.settings import SETTINGS
 
 DESCRIPTION = "Plan how a legged robot walks from its equations, and walk it in MuJoCo."
-EPILOG = "stratawalk help COMMAND explains a command, scenarios line the settings."
+EPILOG = (
+    "stratawalk help COMMAND explains a command, scenarios line the settings; "
+    "docs/glossary.md defines the terms."
+)
 OPTIONS = ("-h", "--help", "--version")  # that need no command
 SAME = {"version": "--version", "-V": "--version"}
 PLACE = "the command line"
