@@ -19,8 +19,8 @@ eq. (4)    b_i           extend                               extension/extended
 eq. (5)    v^i           ExtendedSystem.fictitious_inputs     extension/extended
 eq. (6)    B_i           hall_basis                           lie/hall
 eq. (6)    h_i           backward, forward                    lie/coordinates
-eq. (7)    S' = S B v    coordinate_rates                     lie/adjoint
-eq. (8)    Ad            adjoint_action                       lie/adjoint
+eq. (7)    S' = S B v    coordinate_rates                     lie/coordinates
+eq. (8)    Ad            adjoint_action                       lie/coordinates
 eq. (9)    h' = A(h) v   backward_matrix, integrate           lie/coordinates
 Sec. 2.1   step length   critical_step                        planning/critical_steps
 Def. 1     Phi_i         LevelSet                             systems/level_sets

@@ -1,15 +1,11 @@
 """The body twist at which the feet dissipate the least power in dry friction.
 
 A quasi-static body on dry friction moves so that it dissipates the least power (Murphey
-and Burdick 2006, the power dissipation method): its twist xi minimises the convex
-function sum_i N_i |v_i(xi)|, which has an edge wherever a foot sticks. Each foot is
-tried in turn as the one that sticks and about which the body turns; the subgradient
-tells whether this is the minimum. Where every foot slides, Newton's method finds it.
-
-Friction may differ from foot to foot and with the direction of sliding (Hatton, Salaman
-and Revzen 2025): a foot then dissipates N_i |D_i v_i|, and the symmetric D_i maps the
-unit disc to the ellipse of its friction. `viscous_twist` has drag in proportion to
-speed in its place.
+and Burdick 2006): its twist xi minimises the convex function sum_i N_i |D_i v_i(xi)|,
+which has an edge wherever a foot sticks. Each foot is tried in turn as the one that
+sticks and about which the body turns; the subgradient tells whether this is the
+minimum. Where every foot slides, Newton's method finds it. The symmetric D_i maps the
+unit disc to the ellipse of the foot's friction (Hatton, Salaman and Revzen 2025).
 """
 
 from __future__ import annotations

@@ -116,8 +116,6 @@ UPRIGHT = np.deg2rad(3)  # smaller tilts change lengths by less than 0.2 %
 TABLE = 1001  # angles up to the farthest; heights in between are interpolated
 _ANGLES = 2 * np.pi / 3 * np.arange(3)
 _FIT = np.linalg.inv(np.stack([np.ones(3), np.cos(_ANGLES), np.sin(_ANGLES)], axis=1))
-
-
 Legs = Array | slice
 
 

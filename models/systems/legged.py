@@ -1,22 +1,17 @@
 """The hexapod of Sec. 6, walkers of few feet in units of their own size, and fingers.
 
 The state of the hexapod, eqs. (16) to (18), is x, y, theta, phi_1, phi_2, height_1,
-height_2: the body's pose, and the swing angle and the foot height of each tripod. With
-all feet down, eq. (16), the columns are
+height_2: the body's pose, and the swing angle and the foot height of each tripod. The
+columns with all feet down, eq. (16), and with tripod 2 in the air, eq. (17), are
 
     g_{12,1} = (cos theta, sin theta,  l, 1, 0, 0, 0)    tripod 1 swings
     g_{12,2} = (cos theta, sin theta, -l, 0, 1, 0, 0)    tripod 2 swings
-
-With tripod 2 in the air, eq. (17), it recovers without moving the body, and it lifts:
-
     g_{1,1} = (cos theta, sin theta, l, 1, 0, 0, 0)      tripod 1 swings
     g_{1,2} = (0, 0, 0, 0, 1, 0, 0)                      tripod 2 swings in the air
     g_{1,3} = (0, 0, 0, 0, 0, 0, 1)                      tripod 2 lifts
 
-With tripod 1 in the air, eq. (18), it is the other way round, with g_{2,1} the swing in
-the air. The elements of eq. (19) are the strokes of the bottom stratum, the swings in
-the air, and the bracket that moves the body sideways. Here are the body twists of the
-groups on the ground; `motion.equations_of_motion` makes the columns of them.
+and with tripod 1 in the air, eq. (18), the other way round. Here are the body twists of
+the groups on the ground; `motion.equations_of_motion` makes the columns of them.
 """
 
 from __future__ import annotations

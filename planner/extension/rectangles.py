@@ -1,23 +1,16 @@
 """The unit of each input in which words are spelled, and the shape of rectangles.
 
 A word is spelled for generators that move by a length of one in the metric of the
-system, and point the same way in whatever sense their inputs are counted. Where all
-generators with brackets move joints, the way of these alone counts, since it is joints
-that have ranges. Its flows are then translated to the inputs as they are declared, so
-that a plan depends neither on units nor on signs of the inputs, at any degree, nor on
-the units of coordinates if the metric is declared in the same. Words of the paper, with
-inputs as they are declared, are those of `lie.input_words.word`.
+system, or in its joints where all generators with brackets move joints, and that point
+the same way however their inputs are counted. A plan then depends neither on units nor
+on signs of the inputs, nor on units of coordinates if the metric is declared in them.
+The words of the paper, in inputs as declared, are those of `lie.input_words.word`.
 
-The word X Y X^-1 Y^-1 may begin at any corner of its rectangle, and rectangles of
-different shapes may have the same area. All of these words realise the bracket [X,Y].
-They differ in [X,[X,Y]] and [Y,[X,Y]], which cause the error of an open-loop plan:
-where a corner makes the two cancel, it falls as 1/n with the number of segments n,
-otherwise as 1/sqrt(n). Which corner this is is determined from the fields and not taken
-from the order in the paper. Words of degree 3 and more are judged by where they end, in
-`execution.execution`.
-
-A choice is described by a scale for each generator: its flows are measured in units of
-the scale, and a negative scale runs the generator backward.
+The word X Y X^-1 Y^-1 may begin at any corner of a rectangle of any shape. Such words
+of one area differ in [X,[X,Y]] and [Y,[X,Y]]: where a corner, which the fields tell,
+makes the two cancel, the error of an open-loop plan falls as 1/n with the number of
+segments n, otherwise as 1/sqrt(n). A scale for each generator describes the choice: the
+unit of its flows, negative if it runs backward.
 """
 
 from __future__ import annotations

@@ -20,8 +20,7 @@ from planner.extension.rectangles import Rectangles, rectangles, sign_choices, w
 from planner.lie.coordinates import integrate
 from planner.lie.free_lie import lie_algebra
 from planner.lie.input_words import Order, Spelling, joined, scaled, spellings
-from planner.lie.mirrored_words import mirrored_spellings
-from planner.lie.short_words import short_durations
+from planner.lie.other_words import mirrored_spellings, short_durations
 from planner.numerics.arrays import Array
 from planner.systems.elements import Tree, leaves, name_of
 from planner.systems.flows import Word
@@ -136,7 +135,7 @@ class Steering:
         scales = np.broadcast_to(1.0 if scales is None else scales, shape)
         measured = hall_coordinates / weights(self.hall.elements, scales)
         if order == "shortest":
-            spelled = self._short(measured, scales)
+            spelled = list(map(scaled, self._short(measured), scales))
         elif order == "alternating":
             spelled = self._alternating(measured, scales)
         else:
@@ -197,24 +196,21 @@ class Steering:
         spelled[1::2] = map(scaled, mirrored, scales[1::2])
         return spelled
 
-    def _short(self, hall_coordinates: Array, scales: Array) -> list[Spelling]:
+    def _short(self, h: Array) -> list[Spelling]:
+        """Short words for two fields, the shorter of two for others, not yet scaled."""
         if self.hall.only_pair is None:
-            unscaled = np.ones_like(scales)
-            backward = self._spelled(hall_coordinates, "backward", unscaled)
-            forward = self._spelled(hall_coordinates, "forward", unscaled)
+            units = np.ones((len(h), len(self.hall.generators)))
+            backward = self._spelled(h, "backward", units)
+            forward = self._spelled(h, "forward", units)
             pairs = zip(backward, forward, strict=True)
-            short = [
-                min(p, key=lambda spelled: sum(map(abs, spelled[1]))) for p in pairs
-            ]
-            return list(map(scaled, short, scales))
+            return [min(p, key=lambda word: sum(map(abs, word[1]))) for p in pairs]
         first, second = self.hall.only_pair
-        count, h = len(self.hall.generators), hall_coordinates.T
-        pair = short_durations(h[first - 1], h[second - 1], h[count])
+        count = len(self.hall.generators)
+        pair = short_durations(h[:, first - 1], h[:, second - 1], h[:, count])
         apart = [i for i in range(1, count + 1) if i not in (first, second)]
         generators = (first, second, first, second, first, *apart)
-        durations = np.hstack([pair, h[[i - 1 for i in apart]].T])
-        short = [joined(generators, row) for row in durations.tolist()]
-        return list(map(scaled, short, scales))
+        durations = np.hstack([pair, h[:, [i - 1 for i in apart]]])
+        return [joined(generators, row) for row in durations.tolist()]
 
 
 def steering(

@@ -1,11 +1,9 @@
-from .adjoint import (
-    adjoint_action as adjoint_action,
-    coordinate_rates as coordinate_rates,
-)
 from .coordinates import (
+    adjoint_action as adjoint_action,
     backward as backward,
     backward_from_forward as backward_from_forward,
     backward_matrix as backward_matrix,
+    coordinate_rates as coordinate_rates,
     forward as forward,
     integrate as integrate,
     logarithm as logarithm,

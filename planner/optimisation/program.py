@@ -2,11 +2,10 @@
 
 The unknowns are the strokes and recoveries of every stage, the states between stages,
 the places on the path that belong to the ends of the stages, and the durations of those
-whose recoveries overlap their strokes. Within a stage the
-state is integrated in a few steps; after each step it must lie in the corridor, within
-the tolerances of the place on the path that belongs to this moment. The width of the
-corridor is an unknown with a high cost. The program is therefore feasible from any
-guess, and where no plan keeps the tolerances, its solution says which width is needed.
+whose recoveries overlap their strokes. After each of a few steps within a stage the
+state must lie in the corridor around the place on the path that belongs to this moment.
+The width of the corridor is an unknown with a high cost: the program is feasible from
+any guess, and says which width is needed where no plan keeps the tolerances.
 """
 
 from __future__ import annotations

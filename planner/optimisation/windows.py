@@ -1,12 +1,11 @@
 """The search for the number of stages of a plan for a part of the path.
 
-With fewer stages a plan switches contacts less often and makes longer strokes, until
-the tolerances of the path can no longer be kept. The search finds the smallest number
-of stages that keeps them, and looks for the best plan from there upward. Soft
-constraints, such as clearances, make a solution several times as expensive, and most
-programs with them fail from a poor first guess, so a second search with them begins
-where the first has ended. Without them the search then hops from one local optimum to
-the next, by seeded draws: plans do not depend on the machine.
+It finds the smallest number of stages that keeps the tolerances of the path, and looks
+for the best plan from there upward. Soft constraints, such as clearances, make a
+solution several times as expensive, and most programs with them fail from a poor first
+guess, so a second search with them begins where the first has ended. Without them the
+search then hops from one local optimum to the next, by seeded draws: plans do not
+depend on the machine.
 """
 
 from __future__ import annotations

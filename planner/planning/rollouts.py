@@ -4,13 +4,11 @@ Plans leave out the flows that lift feet and set them down, since these cancel, 
 (13) and (14). All six flows of eq. (12) are drawn by `sim.figures.sequence`.
 
 Many flows are integrated at once where coordinates fall into levels: rates of the first
-depend on nothing, those of the next on the first, and so on. All rates of a level are
-then known along all flows, and starts are sums of what came before. A level of its own
-is a coordinate that drives itself as the heading of a trailer does, theta' = c + a cos
-theta + b sin theta, where c, a and b depend on the car alone. Half the angle is then
-the direction of a point (u, v) of a linear system, u' = -b/2 u + (a - c)/2 v and
-v' = (a + c)/2 u + b/2 v, whose matrices are found for all flows at once, before it is
-known where each of them starts.
+depend on nothing, those of the next on the first, and so on. A level of its own is a
+coordinate that drives itself as the heading of a trailer does, theta' = c + a cos theta
++ b sin theta, where c, a and b depend on the car alone. Half the angle is then the
+direction of a point (u, v) of a linear system, u' = -b/2 u + (a - c)/2 v and
+v' = (a + c)/2 u + b/2 v, whose matrices do not depend on where flows start.
 """
 
 from __future__ import annotations

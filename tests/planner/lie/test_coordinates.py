@@ -10,6 +10,7 @@ from scipy.linalg import expm
 from planner.errors import ConvergenceError
 from planner.lie import coordinates
 from planner.lie.coordinates import (
+    adjoint_action,
     backward,
     backward_from_forward,
     backward_matrix,
@@ -23,6 +24,7 @@ from planner.lie.free_lie import lie_algebra
 from planner.lie.hall import hall_basis
 from planner.lie.tensor import Tensor
 from planner.numerics.collocation import collocation
+from tests.planner.lie.test_free_lie import equal, numbers
 from tests.systems import hall_elements
 
 BASES = [hall_basis(2, 5), hall_basis(3, 3), hall_basis(4, 2), hall_basis(1, 1)]
@@ -239,3 +241,17 @@ def test_coordinates_that_are_not_finite_are_refused():
         forward(basis, [1.0, np.nan, 0.0])
     with pytest.raises(ValueError, match="inputs at .* are not finite"):
         backward(basis, lambda t: [t, t, np.inf if t > 0.5 else t])
+
+
+@settings(max_examples=25, deadline=None)  # exact numbers are slow
+@given(st.data())
+def test_adjoint_action_is_conjugation(data):
+    basis = hall_basis(2, 4)
+    algebra = lie_algebra(basis)
+    b, h = data.draw(numbers(basis)), data.draw(numbers(basis))
+    j = data.draw(st.integers(0, len(basis) - 1))
+    a = h * np.eye(len(basis), dtype=int)[j]
+    moved = adjoint_action(algebra.structure[j], h[j], dict(enumerate(b)))
+    conjugate = algebra.expand(a).exp() * algebra.expand(b) * algebra.expand(-a).exp()
+    vector = np.array([moved[k] for k in range(len(basis))], dtype=object)
+    assert equal(algebra.expand(vector), conjugate)
