@@ -150,7 +150,10 @@ def test_a_c_compiler_takes_every_header(tmp_path):
 
 
 def test_lines_of_phases_come_through_as_they_are():
-    drawn = [phase("swing", name, name) for name in PLAIN]
+    drawn = [
+        phase("swing", name, name)._replace(start=float(i), end=i + 1.0)
+        for i, name in enumerate(PLAIN)
+    ]
     assert flows.read(flows.written(drawn)) == tuple(drawn)
 
 

@@ -43,7 +43,7 @@ def test_everything_that_is_shipped_is_compiled():
 def test_plans_and_rollouts_of_a_system_are_measured_in_one_run():
     each, ratio = speed.segments("unicycle", most=20)
     assert (each.what, each.unit) == ("system unicycle: 20 segments, each in", "us")
-    assert ratio.what == "system unicycle: a rollout over its plan"
+    assert ratio.what == "system unicycle: rollout time over plan time"
     assert each.value > 0
     assert ratio.value > 0
 
