@@ -232,9 +232,8 @@ class Robot:
         """Inertia of the rotor behind a joint's gears, of file or card [kg m^2]."""
         model, card = self.model, self.card.servo
         own = self.position_servos_of(joint)
-        given = (
-            card.armature if card and not own else model.actuator_armature[own].sum()
-        )
+        servos = model.actuator_armature[own].sum()
+        given = card.armature if card and not own else servos
         return float(model.dof_armature[model.joint(joint).dofadr[0]] + given)
 
     def span(self, joint: str) -> tuple[float, float]:

@@ -3,12 +3,11 @@
 This is the last step of Sec. 5.2: the flows of all segments are regrouped by stratum,
 with the fewest contact switches, and kept within the range of the legs.
 
-Words of an approximation of degree k miss brackets of degree k + 1. The error of two
-orders of the same flows may differ a hundredfold, and which one is the smaller depends
-on the goal and on the fields, so where accuracy is asked for, by a degree beyond that
-of the elements, words are played, with each generator run forward or backward first.
-Signs are chosen once for all segments of a plan, on a sample of them, where there are
-many, or the elements alone are of degree 3 and more.
+Words of an approximation of degree k miss brackets of degree k + 1, in two orders of
+the same flows by amounts that may differ a hundredfold. Where a degree beyond that of
+the elements asks for accuracy, words are therefore played, with each generator run
+forward or backward first. Signs are chosen once for all segments, on a sample of them,
+where there are many, or the elements alone are of degree 3 and more.
 """
 
 from __future__ import annotations
@@ -213,7 +212,6 @@ def nearest_signs(
     coordinates, units = (
         each[sample] for each in steering.measured(hall_coordinates, nominal[:-1])
     )
-
     ways = [
         steering.scaled_words(coordinates, order, units * signs)
         for signs in steering.signs

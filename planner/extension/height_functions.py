@@ -74,10 +74,7 @@ class StratifiedPanels:
 
     @cached_property
     def _functions(self) -> dict[str, sp.Expr]:
-        return {
-            name: sp.lambdify(self.angles, height, np)
-            for name, height in self.heights.items()
-        }
+        return {n: sp.lambdify(self.angles, h, np) for n, h in self.heights.items()}
 
 
 def stratified_panels(
@@ -138,11 +135,8 @@ def _angles(
     used = set().union(*symbols)  # an angle of a leg, unlike a heading, is in no rate
     found = []
     for name, other in (strokes, strokes[::-1]):
-        moved = [
-            i
-            for i in shape.coordinates
-            if shape.rates[name][i] and not shape.rates[other][i]
-        ]
+        own, others = shape.rates[name], shape.rates[other]
+        moved = [i for i in shape.coordinates if own[i] and not others[i]]
         if not moved:
             raise ValueError(
                 f"field {name} moves no shape coordinate that {other} leaves alone; "

@@ -47,7 +47,7 @@ class InputUnits:
     entangled: tuple[int, ...]  # numbers of generators with brackets, from 1
     generators: CompiledFields
     weights: Array  # of the metric, shape (n,)
-    joints: frozenset[int]  # coordinates that count alone where they can
+    joints: Array  # coordinates that count alone where they can, (n,), bool
 
     def at(self, x: Array) -> Array:
         """Inverse lengths of the generators at configurations (..., n), (..., m)."""
@@ -76,8 +76,7 @@ class InputUnits:
         degrees = np.array([degree(element) for element in self.elements])
         sizes = np.where(rounded, 0.0, motions ** (1 / degrees)).max(axis=1)
         common = units.copy()
-        if self.entangled:
-            places = [number - 1 for number in self.entangled]
+        if places := [number - 1 for number in self.entangled]:
             mean = np.exp(np.log(units[:, places]).mean(axis=1, keepdims=True))
             common[:, places] = mean
         ratios = units / common
@@ -95,10 +94,9 @@ class InputUnits:
     @cached_property
     def _counted(self) -> Array:
         """Weights of the coordinates that count for each generator, shape (n, m)."""
-        joints = np.isin(np.arange(len(self.weights)), list(self.joints))
-        moves = (self.generators.constant[joints] != 0.0).any(axis=0)  # (m,)
+        moves = (self.generators.constant[self.joints] != 0.0).any(axis=0)  # (m,)
         clashing = [number - 1 for number in self.entangled]
-        alone = joints[:, None] & moves & moves[clashing].all()
+        alone = self.joints[:, None] & moves & moves[clashing].all()
         return self.weights[:, None] * (alone | ~alone.any(axis=0))
 
     @cached_property
@@ -121,10 +119,10 @@ class InputUnits:
         largest = np.take_along_axis(rates, first[None], axis=0)[0]
         added = rates.sum(axis=0)
         told = np.where(np.abs(added) > EQUAL * sizes.sum(axis=0), added, largest)
-        joints = np.isin(np.arange(len(self.weights)), list(self.joints))
-        several = (self.generators.constant[joints] != 0.0).sum(axis=0) > 1
+        several = (self.generators.constant[self.joints] != 0.0).sum(axis=0) > 1
         zero = self.generators.values(np.zeros(len(self.weights)))
-        body = np.where(np.isfinite(zero), zero * self.weights[:, None], 0.0)[~joints]
+        moving = np.where(np.isfinite(zero), zero * self.weights[:, None], 0.0)
+        body = moving[~self.joints]
         way = body.sum(axis=0)
         moved = several & (np.abs(way) > EQUAL * np.abs(body).sum(axis=0))
         signs: Array = np.where(np.where(moved, way, told) < 0.0, -1.0, 1.0)
@@ -172,10 +170,8 @@ class Rectangles:
         scales = units * sides
         factors = weights(self.hall.elements, scales)
         further = beyond * weights(self._beyond, scales)[:, None]
-        # (ways, segments)
-        errors = self._errors(
-            hall_coordinates / factors, own * factors[:, None], further
-        )
+        own = own * factors[:, None]
+        errors = self._errors(hall_coordinates / factors, own, further)
         least = errors.min(axis=0) + EQUAL * errors.max(axis=0)
         printed = errors[0] * WORTH_TURNING <= least
         turned = self._signs[np.where(printed, 0, errors.argmin(axis=0))]
@@ -220,10 +216,9 @@ class Rectangles:
     @cached_property
     def _tops(self) -> list[int]:
         """Places of the brackets of the highest degree that move anything."""
-        every, still = self.hall.elements, self.hall.vanishing
-        return [
-            j for j, e in enumerate(every) if degree(e) == DEGREE and e not in still
-        ]
+        every = enumerate(self.hall.elements)
+        tops = [(j, e) for j, e in every if degree(e) == DEGREE]
+        return [j for j, e in tops if e not in self.hall.vanishing]
 
     @cached_property
     def _pair(self) -> list[int] | None:
@@ -259,7 +254,8 @@ def rectangles(system: StratifiedSystem, hall: HallFields) -> Rectangles:
     """The units and rectangles of the words of a basis."""
     generators = [system.fields[name] for name in hall.generators]
     compiled = compile_fields(generators, system.state)
-    joints = ShapeCoordinates(system).inert
+    inert = ShapeCoordinates(system).inert
+    joints = np.isin(np.arange(system.dimension), list(inert))
     units = InputUnits(hall.elements, hall.entangled, compiled, system.weights, joints)
     if degree(hall.elements[-1]) != DEGREE:
         return Rectangles(hall, units, None)

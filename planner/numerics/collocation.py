@@ -42,9 +42,8 @@ def collocation(size: int) -> Collocation:
         raise ValueError(f"collocation needs at least 2 nodes, got {size}")
     cosines = -np.cos(np.pi * np.arange(size) / (size - 1))
     to_coefficients = np.linalg.inv(chebyshev.chebvander(cosines, size - 1))
-    derivative = (
-        2 * chebyshev.chebvander(cosines, size - 2) @ chebyshev.chebder(to_coefficients)
-    )
+    slopes = chebyshev.chebder(to_coefficients)
+    derivative = 2 * chebyshev.chebvander(cosines, size - 2) @ slopes
     primitive = chebyshev.chebint(to_coefficients, lbnd=-1) / 2
     integral = chebyshev.chebvander(cosines, size) @ primitive
     nodes = (cosines + 1) / 2

@@ -1,10 +1,9 @@
 """The largest deviation of a motion from a path that it follows in order.
 
-Following a path in order means: while the motion goes on, a companion point travels
-along the path from its start to its end. The companion may wait, but it neither skips a
-part of the path nor turns back. The deviation in position is the smallest distance
-within which some companion can stay of the motion; this is the Frechet distance. The
-deviation in heading is measured at the companion point that is nearest in position.
+While the motion goes on, a companion point travels along the path from its start to its
+end. It may wait, but it neither skips a part of the path nor turns back. The deviation
+in position is the smallest distance within which some companion can stay of the motion,
+the Frechet distance; that in heading is measured at the nearest of such points.
 """
 
 from __future__ import annotations

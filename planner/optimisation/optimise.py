@@ -7,6 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain
+from operator import is_not
 from typing import Literal
 
 import numpy as np
@@ -169,9 +170,7 @@ class Optimiser:
             aim = aim + miss
             before = margins
             margins = self._refinement.enlarged(before, solutions, violations)
-            changed = [
-                now is not then for now, then in zip(margins, before, strict=True)
-            ]
+            changed = list(map(is_not, margins, before))
             try:
                 found = self._again(solutions, margins, [*changed[:-1], True], aim)
             except KeyboardInterrupt as stop:

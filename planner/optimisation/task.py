@@ -114,11 +114,8 @@ class Task:
     def rates(self, stage: Stage) -> dict[int, float]:
         """Constant rates of coordinates along a stage's stroke, by index."""
         column = self.system.fields[stage.stroke] if stage.stroke else ()
-        return {
-            i: float(entry)
-            for i, entry in enumerate(column)
-            if entry.is_number and entry != 0
-        }
+        steady = [(i, entry) for i, entry in enumerate(column) if entry.is_number]
+        return {i: float(entry) for i, entry in steady if entry != 0}
 
     def sizes(self, start: Array) -> Array:
         """Typical change of each unknown coordinate by a stroke of one unit."""

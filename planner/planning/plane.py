@@ -147,10 +147,8 @@ class Plane:
             good = np.flatnonzero(self._spread(after) <= ALIGNED)
             if good.size:
                 return self._followed(x, ways[good[0]], rate)
-            cells = np.round(self._differences(after) / SAME_DIFFERENCE).astype(
-                np.int16
-            )
-            fresh = list[int]()
+            differences = self._differences(after) / SAME_DIFFERENCE
+            cells, fresh = np.round(differences).astype(np.int16), list[int]()
             for k, cell in enumerate(cells):
                 if cell.tobytes() not in seen:
                     seen.add(cell.tobytes())
@@ -191,8 +189,7 @@ class Plane:
         return x
 
     def _differences(self, x: Array) -> Array:
-        own = x[:, list(self.headings)]
-        return np.asarray(np.diff(own, axis=1))
+        return np.asarray(np.diff(x[:, list(self.headings)], axis=1))
 
     def _spread(self, x: Array) -> Array:
         """Largest difference between neighbouring headings, shape (k,)."""

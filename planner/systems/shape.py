@@ -59,9 +59,8 @@ class ShapeCoordinates:
             return frozenset()  # it is unknown what a Python function depends on
         formulas = [*fields, *chain(*self.system.level_sets.values())]
         used = set().union(*(formula.free_symbols for formula in formulas))
-        return frozenset(
-            i for i in self.coordinates if self.system.state[i] not in used
-        )
+        state = self.system.state
+        return frozenset(i for i in self.coordinates if state[i] not in used)
 
     @cached_property
     def recoveries(self) -> dict[str, tuple[int, float]]:
@@ -97,9 +96,8 @@ class ShapeCoordinates:
         """
         flows = tuple(flows)
         for name, (low, high) in limits.items():
-            values = self.trajectory(
-                self._index(name, low, high), flows, start[self.names.index(name)]
-            )
+            index = self._index(name, low, high)
+            values = self.trajectory(index, flows, start[index])
             worst = values[np.maximum(values - high, low - values).argmax()]
             if not low - OVERSTEP <= worst <= high + OVERSTEP:
                 raise RangeError(name, float(worst), low, high)
