@@ -2,15 +2,11 @@
 """Run the command on mutated inputs, and check how it ends.
 
 Whatever the command receives is mutated, what is the user's own and what others send:
-`python -m scripts.fuzz --seconds 180 --seed 1`, or some kinds alone. A case fails if
-the command ends with code 70, with an exception, with more than one line on standard
-error, with an unknown code, not within a minute, or takes more than 2 GB or 10 s on the
-processor (35 s to adopt). `--patience` gives it longer, though not on the processor.
-
-Every case has a process of its own, forked from this one, which has loaded libraries
-and built the parser. It compiles models itself and takes some hundredths of a second;
-what seems wrong there is run once more by the real command, and that decides. Failed
-cases are kept in a folder, each with its files.
+`python -m scripts.fuzz --seconds 180 --seed 1`, or some kinds alone. A case fails that
+ends with code 70 or an unknown one, an exception, or several lines on standard error,
+or that takes more than `Bounds` allow. It has a process forked from this one, which has
+loaded libraries and built the parser; what seems wrong there is run once more by the
+real command, and that decides. Failed cases are kept in a folder, each with its files.
 """
 
 from __future__ import annotations

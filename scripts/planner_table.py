@@ -1,9 +1,8 @@
 """Accuracy of the planner on every shipped system, and other planners, as a table.
 
-For every system: degree of the approximation, expected and measured order, critical
-step, shots to 1e-9, flows, and what CasADi and OMPL need for the same goal where they
-are installed. Their controls are the fields that the system's elements are made of, one
-at a time; a plan is a sequence of strokes, and its cost is the sum of their lengths.
+CasADi and OMPL, where they are installed, get the same goal. Their controls are the
+fields that the system's elements are made of, one at a time; a plan is a sequence of
+strokes, and its cost is the sum of their lengths.
 
 Example:
     python -m scripts.planner_table docs/planner-table.md

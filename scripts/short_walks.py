@@ -1,10 +1,8 @@
 """How much time a walk takes, and how far it deviates from its path: what is possible.
 
-Three ways to plan each scenario are compared by their predicted motion: the paper's
-printed words and the shortest words, in more and fewer segments, and optimised plans
-that may deviate as far as the printed plan does, and twice as far. Nothing is walked in
-the physics. A plan is better than another where it is lower and farther to the left.
-The dotted line is a lower bound on the time of any walk that deviates as far.
+Compared by their predicted motion are the paper's printed words and the shortest ones,
+in more and fewer segments, and optimised plans that may deviate as far as the printed
+plan does, and twice as far; beside a lower bound on the time of any such walk.
 
 Example:
     python -m scripts.short_walks --plot docs/short-walks.png

@@ -1,8 +1,7 @@
 """A collection of walks, each with its verdict and the code that `run` ends with.
 
-It has every shipped scenario on every shipped robot, the robots of `scripts.adoptees`,
-draws of hobby robots, and one imperfection at a time, of several sizes and draws, on a
-walk that was planned for a perfect robot. Nothing may be hopeless and end with 0.
+Every shipped scenario walks on every shipped robot, and `line` on adopted ones, on draws
+of hobby robots, and with one imperfection at a time. Nothing hopeless may end with 0.
 
 Example:
     python -m scripts.verdicts --segments 10 --only "zeros of swing"

@@ -7,7 +7,7 @@ import json
 import os
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from itertools import count
@@ -40,11 +40,9 @@ def drive(options: argparse.Namespace) -> None:
             raise FilesError(what, where, "name a file, a pipe, or -") from error
         link = Link(Poses(poses), commands, options.pace, options.patience)
         walk = served(scenario)
-        for row in walk.stand():
-            link.send(walk, row)
+        link.send(walk, walk.stand())
         for segment in range(walk.setup.scenario.segments):
-            for row in walk.walk(segment):
-                link.send(walk, row)
+            link.send(walk, walk.walk(segment))
             stop = walk.seen(segment, link.reading(walk))
             x, y, yaw = stop.thought
             cli.notice(
@@ -52,8 +50,7 @@ def drive(options: argparse.Namespace) -> None:
                 f"{x:.4f} m, {y:.4f} m, {yaw:.3f} rad",
                 "driven",
             )
-        for row in walk.stand():
-            link.send(walk, row)
+        link.send(walk, walk.stand())
     if options.json and options.commands != "-":
         end = walk.stops[-1]
         print(json.dumps({"thought": end.thought, "claimed": end.claimed}))
@@ -131,20 +128,20 @@ class Link:
     patience: float
     began: float | None = None
 
-    def send(self, walk: ServedWalk, row: Row) -> None:
-        """Write one command when its time has come."""
-        when, angles = row
-        if self.pace:
-            now = time.monotonic()
-            self.began = now if self.began is None else self.began
-            time.sleep(max(0.0, self.began + when / self.pace - now))
-        ctrl = dict(zip(walk.joints, angles.tolist(), strict=True))
-        try:
-            print(json.dumps({"time": when, "ctrl": ctrl}), file=self.commands)
-            self.commands.flush()
-        except BrokenPipeError as error:
-            what, remedy = "the robot stopped listening", "start it and drive again"
-            raise FilesError(what, f"t = {when:.2f} s", remedy) from error
+    def send(self, walk: ServedWalk, rows: Iterable[Row]) -> None:
+        """Write commands, each when its time has come."""
+        for when, angles in rows:
+            if self.pace:
+                now = time.monotonic()
+                self.began = now if self.began is None else self.began
+                time.sleep(max(0.0, self.began + when / self.pace - now))
+            ctrl = dict(zip(walk.joints, angles.tolist(), strict=True))
+            try:
+                print(json.dumps({"time": when, "ctrl": ctrl}), file=self.commands)
+                self.commands.flush()
+            except BrokenPipeError as error:
+                what, remedy = "the robot stopped listening", "start it and drive again"
+                raise FilesError(what, f"t = {when:.2f} s", remedy) from error
 
     def reading(self, walk: ServedWalk) -> list[float]:
         """The mean of the poses of a stop, while the robot stands; NaN without any."""
@@ -160,7 +157,7 @@ class Link:
                 if walk.time > stopped + self.patience:
                     cli.notice(f"t = {walk.time:.2f} s: no pose came", "warning")
                     break
-                self.send(walk, walk.wait())
+                self.send(walk, [walk.wait()])
                 found += self._since(stopped)
         return np.mean(found, axis=0).tolist() if found else [nan] * 3
 

@@ -57,7 +57,11 @@ def fit(options: argparse.Namespace) -> None:
             told = {**body.settings, **told}
             missed = {"before": body.before, "after": body.after}
             found = {"unseen": body.found.unseen(), "held_out": missed}
-            facts["body"], parts["body"] = found, found | {"rows": _of_body(body.found)}
+            cells = zip(body.found.parameters, _cells(body.found, 0), strict=True)
+            rows = [
+                (parameter.name, cell, _unit(parameter)) for parameter, cell in cells
+            ]
+            facts["body"], parts["body"] = found, found | {"rows": rows}
     if options.out is not None:
         text = card_text(setup.robot, told, options.sources)
         parts["written"] = write_card(setup.robot, Path(options.out), text)
@@ -102,12 +106,6 @@ def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | No
     except ValueError as error:
         raise UsageError.at(str(paths[0]), error) from error
     return setup, logs, walked
-
-
-def _of_body(found: Estimates) -> list[tuple[str, str, str]]:
-    """What moves the body, each with its value and unit."""
-    cells = zip(found.parameters, _cells(found, 0), strict=True)
-    return [(parameter.name, cell, _unit(parameter)) for parameter, cell in cells]
 
 
 def _of_servos(fit: JointFit) -> dict[str, object]:

@@ -36,7 +36,10 @@ PLACES = (-1.0, 0.0, 1.0)  # of the span at which measured twists are shown
 def robots(options: argparse.Namespace) -> None:
     """Print names and descriptions, or everything about one robot."""
     if options.robot is not None:
-        _show(options)
+        scenario = load_scenario("line", {"robot": options.robot})
+        with cli.working(options, "trying it out"):
+            found = inspected(scenario, cli.robot_of(options, scenario.robot))
+        cli.report(options, found, render("robot.txt", **found))
         return
     cards = {name: load(name).card for name in shipped_robots()}
     facts = [
@@ -51,13 +54,6 @@ def robots(options: argparse.Namespace) -> None:
     ]
     lines = (f"{n:20}{len(c.legs)} legs  {c.description}" for n, c in cards.items())
     cli.report(options, facts, *lines)
-
-
-def _show(options: argparse.Namespace) -> None:
-    scenario = load_scenario("line", {"robot": options.robot})
-    with cli.working(options, "trying it out"):
-        found = inspected(scenario, cli.robot_of(options, scenario.robot))
-    cli.report(options, found, render("robot.txt", **found))
 
 
 def adopt(options: argparse.Namespace) -> None:

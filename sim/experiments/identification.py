@@ -1,11 +1,9 @@
 """Short experiments: fields are identified, and the creep of feet; predictions by name.
 
-To identify a field, each experiment brings the legs through the air to one end of the
-field's swing, steps onto its stratum, swings to the other end, and reads the pose of
-the body meanwhile, without any model of the contacts. Below `SPEED` the physics does
-not depend on speed. A stroke in the opposite direction over the whole range of the
-joints confirms the field; it is used as far as it predicts this stroke, and not beyond.
-What it misses of the stroke is kept, and tells on which walks it can be trusted.
+To identify a field, the legs are brought through the air to one end of its swing and
+swing on its stratum to the other end, while the pose of the body is read, so slowly that
+speed does not matter. A stroke back over the whole range of the joints confirms the
+field as far as it is predicted; what is missed of it tells which walks to trust it on.
 """
 
 from __future__ import annotations

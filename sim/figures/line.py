@@ -58,7 +58,11 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
     for panel, walked in zip("abc", coarse, strict=True):
         style.draw_walk(axes[panel], walked)
     _draw_bands(axes["d"], finest)
-    widths = {n: np.array([_tube(w, n) for w in made]) for n in ("ideal", "achieved")}
+    produced = np.outer([-1.0, 2.0], METRES_GOAL[:2])  # the line, beyond its ends
+    widths = {
+        n: np.array([swing_out(w.pose[n][:, :2], w.ends, produced).max() for w in made])
+        for n in ("ideal", "achieved")
+    }
     length = MM * METRES_LENGTH / np.array(SEGMENTS)
     for name, label, fmt, colour in (
         ("ideal", "predicted", "o-", IDEAL),
@@ -66,18 +70,13 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
     ):
         label += f", power {exponent(length[1:], widths[name][1:]):.2f}"
         axes["e"].loglog(length, MM * widths[name], fmt, label=label, **_dots(colour))
-    ends, off = np.array([walked.pose["achieved"][-1] for walked in made]), []
+    off, at_end = [], {n: np.array([w.pose[n][-1] for w in made]) for n in PATHS}
     for name, there, fmt, colour in (
-        ("goal", [METRES_GOAL], "^--", NOMINAL),
-        ("ideal", [walked.pose["ideal"][-1] for walked in made], "o-", IDEAL),
-        (
-            "quasi-static",
-            [w.pose["quasi_static"][-1] for w in made],
-            "s-",
-            QUASI_STATIC,
-        ),
+        ("goal", METRES_GOAL, "^--", NOMINAL),
+        ("ideal", at_end["ideal"], "o-", IDEAL),
+        ("quasi-static", at_end["quasi_static"], "s-", QUASI_STATIC),
     ):
-        off.append(np.hypot(*(ends - np.array(there)).T[:2]))
+        off.append(np.hypot(*(at_end["achieved"] - there).T[:2]))
         look = {"label": f"physics off {name}", **_dots(colour)}
         axes["f"].loglog(SEGMENTS, MM * off[-1], fmt, **look)
     axes["f"].set_ylim(top=10)  # room for the legend
@@ -124,8 +123,3 @@ def _finish(
 
 def _dots(colour: str) -> Style:
     return {"color": colour, "markersize": 3.0}
-
-
-def _tube(walked: Walked, name: str) -> float:
-    line_produced = np.outer([-1.0, 2.0], METRES_GOAL[:2])
-    return float(swing_out(walked.pose[name][:, :2], walked.ends, line_produced).max())

@@ -222,14 +222,11 @@ def flat(table: Table, head: str = "") -> Iterator[tuple[str, object]]:
     Ranges, and tables that say what kind of thing they are, count as values.
     """
     for key, value in table.items():
-        if isinstance(value, Mapping) and not _is_value(value):
+        inner = isinstance(value, Mapping) and "kind" not in value
+        if inner and not {"from", "to"} <= value.keys():
             yield from flat(value, f"{head}{key}.")
         else:
             yield f"{head}{key}", value
-
-
-def _is_value(table: Table) -> bool:
-    return "kind" in table or {"from", "to"} <= table.keys()
 
 
 def _values(key: str, given: object, block: str) -> list[object]:

@@ -1,13 +1,9 @@
 """The ledger of a sweep: a line a finished point, and nothing is ever taken back.
 
-A line is on the disk before its point counts as done. Whatever ends the process, every
-line but the last is whole; a torn last line is cut off when the ledger is next opened,
-and its point is walked again. A line begins with a seal, the digest of the rest of it:
-one that somebody has changed is refused.
-
-A point is known by a short digest of its settings and of the files of its robot and
-motion; it is done once and for all if that is in the ledger. Versions of the software
-stand beside it: whether results of several may share a table is for the user to say.
+A line is on the disk before its point counts as done, and begins with a seal, the digest
+of the rest. A torn last line is cut off and its point walked again; any other line that
+is not as it was written is refused. A point is known by a digest of its settings and of
+the files of its robot and motion; the software's versions stand beside it.
 """
 
 from __future__ import annotations

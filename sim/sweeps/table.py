@@ -83,12 +83,10 @@ def _values(column: pa.ChunkedArray) -> list[object]:
 def _column(values: Sequence[Any]) -> pa.Array:
     """Values in the narrowest type that holds them all, text if they are mixed."""
     kinds = {type(value) for value in values if value is not None}
-    if kinds in (set(), {int, float}, {float}):
+    if kinds in ({bool}, {int}):
+        return pa.array(values)
+    if kinds <= {int, float}:
         numbers = [None if v is None else float(v) for v in values]
         return pa.array(numbers, pa.float64())
-    if kinds == {bool}:
-        return pa.array(values, pa.bool_())
-    if kinds == {int}:
-        return pa.array(values, pa.int64())
     texts = [v if v is None or isinstance(v, str) else json.dumps(v) for v in values]
     return pa.array(texts, pa.string())

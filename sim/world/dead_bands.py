@@ -30,11 +30,9 @@ def with_own_band(scenario: Scenario, card: Card) -> Scenario:
         return scenario
     kind = servo_settings(scenario, card).kind
     if kind is None:
-        raise UsageError(
-            "dead_band = 'own', but the robot's servos are of no make",
-            f"scenario {scenario.name!r}",
-            "name their make (servo), or give the width of their dead band in rad",
-        )
+        what = "dead_band = 'own', but the robot's servos are of no make"
+        remedy = "name their make (servo), or give the width of their dead band in rad"
+        raise UsageError(what, f"scenario {scenario.name!r}", remedy)
     return replace(scenario, dead_band=kind.dead_band)
 
 

@@ -73,11 +73,9 @@ def _require_counts(robot: Robot, scenario: Scenario) -> None:
     for name, (count, what, order) in {**of_joints, "foot_friction": feet}.items():
         given = getattr(scenario, name)
         if isinstance(given, tuple) and len(given) != count:
-            raise UsageError(
-                f"{name} has {len(given)} values for {count} {what}",
-                f"scenario {scenario.name!r}",
-                f"give one for each {order}",
-            )
+            wrong = f"{name} has {len(given)} values for {count} {what}"
+            where, remedy = f"scenario {scenario.name!r}", f"give one for each {order}"
+            raise UsageError(wrong, where, remedy)
 
 
 def _require_hold(scenario: Scenario) -> None:
@@ -131,9 +129,9 @@ def _set_foot_friction(
 
 def _loosen(spec: mujoco.MjSpec, robot: Robot, backlash: float) -> None:
     """Behind every leg joint another one about its axis, free within the backlash."""
+    own = {"solimp_limit": HARD, "armature": LOOSE, "damping": RUBBED}
     for name in robot.card.joints:
-        joint, own = spec.joint(name), {"armature": LOOSE, "damping": RUBBED}
-        add_loose_joint(joint, BACKLASH, backlash, solimp_limit=HARD, **own)
+        add_loose_joint(spec.joint(name), BACKLASH, backlash, **own)
 
 
 def add_loose_joint(

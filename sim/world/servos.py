@@ -101,11 +101,9 @@ def servo_settings(scenario: Scenario, card: Card) -> ServoSettings:
 def _kind(name: str, data: Mapping[str, float], scenario: Scenario) -> ServoKind:
     where = f"scenario {scenario.name!r}"
     if not name:
-        raise UsageError(
-            "servo = 'own', but the robot's card names no make",
-            where,
-            'give kind under [servo] in the card, or servo = "ideal"',
-        )
+        remedy = 'give kind under [servo] in the card, or servo = "ideal"'
+        what = "servo = 'own', but the robot's card names no make"
+        raise UsageError(what, where, remedy)
     if name.lower() not in KNOWN_SERVOS:
         remedy = did_you_mean(name.lower(), ("ideal", "own", *KNOWN_SERVOS))
         raise UsageError(f"servo = {name!r} is unknown", where, remedy)

@@ -8,7 +8,7 @@ import pytest
 
 from models.library import load
 from sim.cli import main
-from sim.commands.tries import Try, describe, judged_tries
+from sim.commands.walks import Try, describe, judged_tries
 from sim.errors import UsageError
 from sim.scenarios.file import load_scenario
 from sim.scenarios.scenario import drawn
