@@ -1,6 +1,6 @@
 """A collection of walks, each with its verdict and the code that `run` ends with.
 
-Every shipped scenario walks on every shipped robot, and `line` on adopted ones, on draws
+Every shipped scenario walks on every shipped robot, and `line` on adopted ones, draws
 of hobby robots, and with one imperfection at a time. Nothing hopeless may end with 0.
 
 Example:

@@ -58,9 +58,7 @@ def fit(options: argparse.Namespace) -> None:
             missed = {"before": body.before, "after": body.after}
             found = {"unseen": body.found.unseen(), "held_out": missed}
             cells = zip(body.found.parameters, _cells(body.found, 0), strict=True)
-            rows = [
-                (parameter.name, cell, _unit(parameter)) for parameter, cell in cells
-            ]
+            rows = [(p.name, cell, _unit(p)) for p, cell in cells]
             facts["body"], parts["body"] = found, found | {"rows": rows}
     if options.out is not None:
         text = card_text(setup.robot, told, options.sources)

@@ -1,8 +1,8 @@
 """Short experiments: fields are identified, and the creep of feet; predictions by name.
 
 To identify a field, the legs are brought through the air to one end of its swing and
-swing on its stratum to the other end, while the pose of the body is read, so slowly that
-speed does not matter. A stroke back over the whole range of the joints confirms the
+swing on its stratum to the other one, so slowly that speed does not matter, while the
+pose of the body is read. A stroke back over the whole range of the joints confirms the
 field as far as it is predicted; what is missed of it tells which walks to trust it on.
 """
 

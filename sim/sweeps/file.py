@@ -222,8 +222,9 @@ def flat(table: Table, head: str = "") -> Iterator[tuple[str, object]]:
     Ranges, and tables that say what kind of thing they are, count as values.
     """
     for key, value in table.items():
-        inner = isinstance(value, Mapping) and "kind" not in value
-        if inner and not {"from", "to"} <= value.keys():
+        if isinstance(value, Mapping) and not (
+            "kind" in value or {"from", "to"} <= value.keys()
+        ):
             yield from flat(value, f"{head}{key}.")
         else:
             yield f"{head}{key}", value

@@ -1,9 +1,9 @@
 """The ledger of a sweep: a line a finished point, and nothing is ever taken back.
 
-A line is on the disk before its point counts as done, and begins with a seal, the digest
-of the rest. A torn last line is cut off and its point walked again; any other line that
-is not as it was written is refused. A point is known by a digest of its settings and of
-the files of its robot and motion; the software's versions stand beside it.
+A line is on the disk before its point counts as done, and begins with a seal, the
+digest of the rest. A torn last line is cut off and its point walked again; any other
+line that is not as it was written is refused. A point is known by a digest of its
+settings and of the files of its robot and motion, beside the software's versions.
 """
 
 from __future__ import annotations

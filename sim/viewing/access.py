@@ -1,11 +1,11 @@
 """Who may speak to the viewer's server, and what: the browser with the printed address.
 
-Pages of others could send requests to this machine, and read the answers by a name that
-leads here. Every request therefore brings the token of the printed address, itself or in
-the cookie that it is answered with; names this machine by a name of its own; and comes
-from no page but the viewer's. The interface is drawn by code in C++ that trusts lengths,
-counts and pointers: commands in which these are wrong are a `ValueError`. The layout is
-that of NetImgui with Dear ImGui 1.92.
+Any page in a browser can send requests here, and read the answers by a name of its own
+that leads here. Every request therefore brings the token of the printed address, in it
+or in a cookie; is sent to this machine by one of its own names; and comes from no page
+but the viewer's. The interface is drawn by code in C++ that trusts lengths, counts and
+pointers: commands in which these are wrong are a `ValueError`. The layout is that of
+NetImgui with Dear ImGui 1.92.
 """
 
 from __future__ import annotations
