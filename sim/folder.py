@@ -185,11 +185,9 @@ def blamed_on(place: Path, remedy: str = "") -> Iterator[None]:
     except Exception as error:
         if exit_code(error) is not ExitCode.BUG:
             raise
-        raise UsageError(
-            f"its files do not fit together, {type(error).__name__}: {error}",
-            str(place),
-            remedy or f"walk it again: stratawalk run {place / 'scenario.toml'}",
-        ) from error
+        what = f"its files do not fit together, {type(error).__name__}: {error}"
+        again = f"walk it again: stratawalk run {place / 'scenario.toml'}"
+        raise UsageError(what, str(place), remedy or again) from error
 
 
 @contextmanager
@@ -205,9 +203,8 @@ def whole(
         with whole_file(path, size or 0) as part:
             yield part
     except OSError as error:
-        if at_most is None:
-            raise _failure(error, path, size) from error
-        raise _failure(error, path, at_most(), "up to ") from error
+        needed = (size, "") if at_most is None else (at_most(), "up to ")
+        raise _failure(error, path, *needed) from error
 
 
 def _failure(

@@ -84,7 +84,13 @@ def _new_film(out: str | None) -> Path | None:
 def view(options: argparse.Namespace) -> None:
     """Serve the viewer until Ctrl-C, or write the replay."""
     if options.replay:
-        _write_replay(options)
+        from sim.viewing.replay import write_replay
+
+        with bar(quiet=options.json) as progress:
+            run = cli.run_of(options)
+            path = write_replay(run, lambda part: progress("replay", part))
+        cli.report(options, {"replay": str(path)}, path)
+        _open(path.resolve().as_uri(), options.browser)
         return
     from sim.viewing.web import require_loopback, serve
 
@@ -100,16 +106,6 @@ def view(options: argparse.Namespace) -> None:
         serve(cli.run_of(options), options.host, options.port, options.speed, started)
     except KeyboardInterrupt:
         print(file=sys.stderr)  # the shell's next line begins below ^C
-
-
-def _write_replay(options: argparse.Namespace) -> None:
-    """Write the page, print its path and open it where that can be seen."""
-    from sim.viewing.replay import write_replay
-
-    with bar(quiet=options.json) as progress:
-        path = write_replay(cli.run_of(options), lambda part: progress("replay", part))
-    cli.report(options, {"replay": str(path)}, path)
-    _open(path.resolve().as_uri(), options.browser)
 
 
 def cite(options: argparse.Namespace) -> None:

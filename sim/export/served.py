@@ -28,16 +28,10 @@ Row = tuple[float, Array]  # time [s], and the angle of every joint [rad]
 
 
 class ServedWalk:
-    """A walk whose commands go elsewhere, from where its poses come.
+    """A walk whose commands for `joints` go elsewhere, from where its poses come.
 
-    Args:
-        setup: What is walked; see `served`.
-        rate: Commands a second, where the servos have no rate of their own.
-
-    Attributes:
-        joints: Names of the joints that are commanded.
-        time: Of the next command [s].
-        stops: What feedback made of each segment so far.
+    Its `stops` are what feedback made of each segment so far. The rate, in commands a
+    second, is taken where the servos have none of their own.
     """
 
     def __init__(self, setup: Setup, rate: float = SERVO_RATE) -> None:

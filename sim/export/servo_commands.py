@@ -25,9 +25,8 @@ class ServoCommands:
         if not (np.isfinite(self.rate) and self.rate > 0):
             raise ValueError(f"rate must be positive, got {self.rate}")
         if self.angles.ndim != 2 or self.angles.shape[1] != len(self.joints):
-            raise ValueError(
-                f"angles of shape {self.angles.shape} for {len(self.joints)} joints"
-            )
+            shape, count = self.angles.shape, len(self.joints)
+            raise ValueError(f"angles of shape {shape} for {count} joints")
         if not len(self.angles):
             raise ValueError("no command")
         if not np.isfinite(self.angles).all():

@@ -137,13 +137,8 @@ def estimate(
 ) -> Estimates:
     """Fit P problems by Gauss and Newton's method, each with steps that help it.
 
-    Args:
-        model: What would have been measured.
-        measured: (N, P), NaN where nothing was.
-        parameters: The K parameters.
-        start: Where they are expected, (P, K).
-        guess: Where the search begins, (P, K).
-        steps: How many there may be.
+    Of what the model predicts, (N, P) was measured, NaN where nothing was. Parameters
+    are expected at the start, (P, K); the search begins at a guess, (P, K).
     """
     spread, step, low = np.array([(p.spread, p.step, p.low) for p in parameters]).T
     there = np.isfinite(measured)

@@ -86,12 +86,12 @@ def _blame_the_timestep(
         finer = with_timestep(model, timestep)
         with suppress(ModelError):
             _check_standing(kinematics, finer, lift)
-            raise UsageError(
-                f"timestep = {asked:g} is too long: the servos of "
-                f"{kinematics.robot} are unstable, and the robot falls",
-                "timestep",
-                f"give at most {timestep:g}, at which the robot stands",
-            ) from refusal
+            falls = (
+                f"the servos of {kinematics.robot} are unstable, and the robot falls"
+            )
+            remedy = f"give at most {timestep:g}, at which the robot stands"
+            what = f"timestep = {asked:g} is too long: {falls}"
+            raise UsageError(what, "timestep", remedy) from refusal
 
 
 def with_timestep(model: mujoco.MjModel, timestep: float) -> mujoco.MjModel:
@@ -113,12 +113,10 @@ def _refuse_obstacles(model: mujoco.MjModel, data: mujoco.MjData) -> None:
         for own, other in (names, names[::-1]):
             if other.startswith(PREFIX) and contact.dist < 0:
                 number = other.removeprefix(PREFIX).split("_")[0]
-                raise UsageError(
-                    f"the robot starts with {own} {-1e3 * contact.dist:.1f} mm deep in "
-                    f"obstacle {number}",
-                    "obstacles",
-                    "move the obstacle; poses are measured from the start",
-                )
+                deep = f"{-1e3 * contact.dist:.1f} mm deep in obstacle {number}"
+                remedy = "move the obstacle; poses are measured from the start"
+                what = f"the robot starts with {own} {deep}"
+                raise UsageError(what, "obstacles", remedy)
 
 
 @dataclass(frozen=True)

@@ -173,11 +173,9 @@ def _ompl() -> tuple[Ompl, Ompl, Ompl]:
     try:
         from ompl import base, geometric, util
     except ImportError as error:
-        raise UsageError(
-            "no path is given, and finding one needs OMPL",
-            "path",
-            "pip install ompl, or give a line or waypoints",
-        ) from error
+        what = "no path is given, and finding one needs OMPL"
+        remedy = "pip install ompl, or give a line or waypoints"
+        raise UsageError(what, "path", remedy) from error
     return base, geometric, util
 
 

@@ -89,10 +89,9 @@ def _declared(
     members = archive.infolist()
     total = sum(member.file_size for member in members)
     if len(members) > MOST_ARRAYS or total > UNPACKED:
-        raise ValueError(
-            f"{name} declares {len(members)} arrays of {total / 1e9:.3g} GB, and "
-            f"{MOST_ARRAYS} of {UNPACKED / 1e9:g} GB are the most"
-        )
+        declared = f"{name} declares {len(members)} arrays of {total / 1e9:.3g} GB"
+        most = f"{MOST_ARRAYS} of {UNPACKED / 1e9:g} GB are the most"
+        raise ValueError(f"{declared}, and {most}")
     for member in members:
         key = member.filename.removesuffix(".npy")
         if member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
@@ -102,10 +101,8 @@ def _declared(
             shape, _, dtype = HEADERS[version](file)
             size = file.tell() + prod(shape) * dtype.itemsize
         if dtype.kind not in NUMBERS or size != member.file_size:
-            raise ValueError(
-                f"{key} of {name} declares {size} bytes of numbers and has "
-                f"{member.file_size}"
-            )
+            declared = f"{key} of {name} declares {size} bytes of numbers"
+            raise ValueError(f"{declared} and has {member.file_size}")
         yield key, shape
 
 

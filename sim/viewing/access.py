@@ -117,17 +117,10 @@ POLICY_VIOLATION = 1008  # code that closes a websocket
 
 @dataclass(frozen=True)
 class Access:
-    """What every request must bring.
+    """What every request must bring; the token is kept in a cookie of this viewer."""
 
-    Attributes:
-        names: Names of this machine that browsers may call it by; any where there are
-            none.
-        token: In the printed address.
-        cookie: Name of the cookie that keeps the token; other viewers have others.
-    """
-
-    names: Collection[str]
-    token: str = field(default_factory=partial(token_urlsafe, 16))
+    names: Collection[str]  # that browsers may call this machine by; any if none
+    token: str = field(default_factory=partial(token_urlsafe, 16))  # in the address
     cookie: str = field(default_factory=lambda: f"stratawalk-{token_hex(4)}")
 
     def refusal(self, headers: Headers, path: str) -> str:
