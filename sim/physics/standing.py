@@ -86,11 +86,9 @@ def _blame_the_timestep(
         finer = with_timestep(model, timestep)
         with suppress(ModelError):
             _check_standing(kinematics, finer, lift)
-            falls = (
-                f"the servos of {kinematics.robot} are unstable, and the robot falls"
-            )
             remedy = f"give at most {timestep:g}, at which the robot stands"
-            what = f"timestep = {asked:g} is too long: {falls}"
+            falls = f"servos of {kinematics.robot} are unstable, and the robot falls"
+            what = f"timestep = {asked:g} is too long: the {falls}"
             raise UsageError(what, "timestep", remedy) from refusal
 
 
