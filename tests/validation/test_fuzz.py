@@ -52,7 +52,8 @@ def search(words, printed):
 
 
 def test_the_search_counts_and_keeps_what_fails(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(sys, "argv", ["fuzz", "--cases", "2", "--keep", str(tmp_path)])
+    words = ["fuzz", "--cases", "2", "--keep", str(tmp_path), "--kinds", "scenario"]
+    monkeypatch.setattr(sys, "argv", words)
     monkeypatch.setattr(fuzz, "fault", lambda *given: "it fails")
     assert main() == 1
     assert "2 cases, 2 faults" in capsys.readouterr().out

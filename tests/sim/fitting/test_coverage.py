@@ -66,6 +66,7 @@ class Linear(Walked):
 
     walk: np.ndarray = field(kw_only=True)  # of what is expected, (T, 3)
     effect: np.ndarray = field(kw_only=True)  # (K, T, 3)
+    every: np.ndarray = field(kw_only=True)  # times of its rows, (T,) [s]
 
     @property
     def expected(self):
@@ -74,7 +75,10 @@ class Linear(Walked):
 
     def follow(self, values):
         """Poses of other robots."""
-        return self.walk + np.einsum("vk,ktc->vtc", values - SOFT, self.effect)
+        on = np.isin(self.every, self.times)
+        return self.walk[on] + np.einsum(
+            "vk,ktc->vtc", values - SOFT, self.effect[:, on]
+        )
 
 
 def drawn(rng):
@@ -111,7 +115,7 @@ def swaying(rows=100, arm=0.2):
     effect = 1e-3 * (0.3 * sway.sum(axis=-1) + drift) * [1, 1, 1 / arm]
     walk = np.stack([0.05 * time, 0.01 * np.sin(time), 0.05 * time], axis=1)
     effect /= SPREAD[:, None, None]
-    return Linear(None, None, time, walk, arm, walk=walk, effect=effect)
+    return Linear(None, None, time, walk, arm, walk=walk, effect=effect, every=time)
 
 
 @pytest.mark.parametrize("noise", NOISES)
@@ -137,7 +141,8 @@ def gait(request, tmp_path_factory):
     ahead, back = np.split(np.array(others), 2)
     effect = (ahead - back) / (2 * by.diagonal()[:, None, None])
     parts = {key: getattr(walked, key) for key in ("phases", "course", "times", "arm")}
-    return Linear(**parts, pose=walk, walk=walk, effect=effect)
+    own = {"walk": walk, "effect": effect, "every": walked.times}
+    return Linear(**parts, pose=walk, **own)
 
 
 @pytest.mark.full
