@@ -55,7 +55,7 @@ def joint_servo(
             f"{second}; look at the marks again"
         )
     needed, likely = abs(second - first), apart / kind.resolution
-    if not LIKELY < needed / likely < 1 / LIKELY:
+    if not LIKELY * likely < needed < likely / LIKELY:
         raise ValueError(
             f"{needed} counts for {degrees(apart):.0f} degrees, and its make takes "
             f"{likely:.0f}; look at the marks again"
