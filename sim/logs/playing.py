@@ -51,7 +51,7 @@ class Motion:
 
     @cached_property
     def contact(self) -> Array:
-        """Feet that are planned to stand at these moments, (N, F), bool."""
+        """Feet planned to stand at these moments, (N, F), bool; the lowest, if none."""
         standing = self.posture.standing
         shortest = round(SHORTEST_CONTACT / (self.time[1] - self.time[0]))
         for foot in standing.T:
@@ -59,12 +59,17 @@ class Motion:
             for begin, end in zip(edges[:-1], edges[1:], strict=True):
                 if end - begin < shortest and foot[begin - 1] != foot[begin]:
                     foot[begin:end] = foot[begin - 1]
+        standing |= self._lowest & ~standing.any(axis=1, keepdims=True)
         return standing
+
+    @property
+    def _lowest(self) -> Array:
+        return self.posture.height <= self.posture.near
 
     @property
     def low(self) -> Array:
         """Feet that are down in the first row's posture, (F,), bool."""
-        down: Array = self.contact[0] | (self.posture.height[0] <= self.posture.near)
+        down: Array = self.contact[0] | self._lowest[0]
         return down
 
     @cached_property

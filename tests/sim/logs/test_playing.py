@@ -136,6 +136,18 @@ def test_a_short_contact_is_no_planned_one(log):
     assert np.count_nonzero(np.diff(contact)) == 2
 
 
+def test_a_foot_that_plunges_for_a_moment_leaves_another_to_stand_on(log):
+    """A row of a log that is wrong by a radian tips the robot off all other feet."""
+    robot = posed(load("hexapod"), log)
+    limits = MotionLimits(0.5, 5.0, 0.3, 0.3, 0.5, 0.001, robot.groups)
+    wrong = replace(log, commanded=log.commanded.copy())
+    row, column = len(log.time) // 4, log.joints.index("lift_2")
+    wrong.commanded[row, column] = -1.0
+    motion = Motion(wrong, robot, limits)
+    assert not motion.posture.standing.any(axis=1).all()
+    assert motion.contact.any(axis=1).all()
+
+
 def test_a_function_is_played_and_a_joint_that_the_robot_lacks_is_named():
     fast = {"timestep": 0.002, "predictions": ["quasi_static"]}
     done = play(load("hexapod"), lambda t: {"lift_1": 0.05 * t}, 0.3, **fast)
