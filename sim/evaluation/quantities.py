@@ -63,7 +63,7 @@ class Quantity:
         """A number in SI units as text with its unit; empty if there is none."""
         if value is None:
             return ""
-        return f"{self.scale * value:.{self.digits}f} {self.unit}".rstrip()
+        return f"{self.scale * value:z.{self.digits}f} {self.unit}".rstrip()
 
 
 POSITION = Quantity("error.*.position", "at the end", "mm", 1e3, 2)
