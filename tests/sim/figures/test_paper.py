@@ -6,10 +6,13 @@ import xml.etree.ElementTree as ET
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
 from PIL import Image
 
+from models.morphology import PIVOT
 from planner.planning.paths import ellipse, line
-from sim.figures import NAMES, stability
+from sim.figures import NAMES, corridor, diagonal, stability
 from sim.figures.diagonal import footprints
 from sim.figures.line import GOAL
 from sim.figures.paper import (
@@ -25,6 +28,7 @@ from sim.figures.paper import (
 from sim.figures.sheet import KINDS, Table, drawn, layouts, page, save
 from sim.figures.stability import sign_map
 from sim.figures.style import extremes
+from sim.scenarios.file import load_scenario
 
 ROUNDING = 1e-12
 ALL = ("line", "ellipse", "diagonal", "corridor")
@@ -148,6 +152,10 @@ def papers():
     return {name: drawn(name, "paper") for name in ALL}
 
 
+def panel_of(sheet, letter):
+    return {a.get_title(loc="left")[1:2]: a for a in sheet.figure.axes}[letter]
+
+
 def test_panels_are_in_reading_order(papers):
     """From left to right, then down: (a), (b), (c), ..."""
     figure = papers["line"].figure
@@ -161,13 +169,44 @@ def test_panels_are_in_reading_order(papers):
 def test_many_segments_are_drawn_as_areas_and_not_as_combs(papers):
     """No curve of Fig. 6 (d) or Fig. 7 (c) goes to and fro in every segment."""
     for name, letter in (("line", "d"), ("ellipse", "c"), ("corridor", "d")):
-        panel = {a.get_title(loc="left")[1]: a for a in papers[name].figure.axes}[
-            letter
-        ]
+        panel = panel_of(papers[name], letter)
         assert panel.patches or panel.collections
         for curve in panel.lines:
             heights = np.asarray(curve.get_ydata(), dtype=float)
             assert (np.diff(np.sign(np.diff(heights))) != 0).sum() < 12
+
+
+def test_the_nominal_path_of_the_diagonal_leads_from_the_start_to_the_goal(papers):
+    (nominal,) = (
+        curve for curve in panel_of(papers["diagonal"], "b").lines
+        if curve.get_label() == "nominal"
+    )  # fmt: skip
+    assert nominal.get_xydata().tolist() == [[0, 0], list(diagonal.GOAL[:2])]
+
+
+def test_the_robot_is_drawn_at_the_start_and_at_the_end_of_its_passage(papers):
+    """An outline is as large as the robot, about five pivots' distances."""
+    path = load_scenario("corridor").path
+    for letter in "ab":
+        outlines = [
+            patch.get_path().get_extents() for patch in panel_of(
+                papers["corridor"], letter
+            ).patches
+            if to_hex(patch.get_edgecolor()) == corridor.OUTLINE
+        ]  # fmt: skip
+        for place in (path(0.0), path(1.0)):
+            at = place[:2] / PIVOT
+            assert any(box.contains(*at) and box.width < 10 for box in outlines)
+
+
+def test_the_body_is_drawn_with_the_outer_hips_at_its_corners():
+    axes = Figure().add_subplot()
+    front = stability.draw_body(axes)
+    drawn_corners = {tuple(corner) for corner in axes.lines[0].get_xydata().round(12)}
+    hips = np.concatenate([stability.STANCE.hips(tripod) for tripod in (1, 2)])
+    outer = hips[np.abs(hips[:, 0]) > 0]
+    assert drawn_corners == {tuple(hip) for hip in outer.round(12)}
+    assert front == outer[:, 0].max()
 
 
 def test_every_leg_is_numbered_among_its_footprints(papers):

@@ -12,7 +12,7 @@ from sim.errors import UsageError
 from sim.pictures.clock import Playback
 from sim.pictures.legend import entries
 from sim.runs.run import read_run
-from sim.viewing.marks import Marks
+from sim.viewing.marks import Marks, thinned
 from sim.viewing.web import TORSO, looked_through
 from tests.finished_runs import predicted_elsewhere
 
@@ -91,6 +91,16 @@ def test_the_marks_lie_where_the_walk_was(recorded, model):
     achieved = of(palette.ACHIEVED.colour)
     gaps = np.hypot(*(achieved[:, None, :2] - shown.achieved[:, :2]).T).min(axis=0)
     assert gaps.max() < 0.002  # the middle of a rod, beside the path
+
+
+def test_a_path_is_thinned_to_points_evenly_apart_and_one_that_goes_nowhere_to_one():
+    path = np.linspace((0.0, 0.0), (3.0, 4.0), 60_000)
+    points = thinned(path)
+    assert (points[0] == path[0]).all()
+    assert (points[-1] == path[-1]).all()
+    steps = np.hypot(*np.diff(points, axis=0).T)
+    assert steps.max() < 1.01 * steps.min()  # 504 or 505 of the given steps
+    assert thinned(np.ones((7, 2))).tolist() == [[1, 1]]
 
 
 def test_the_ghost_stands_where_the_prediction_is(recorded, model):
