@@ -104,6 +104,15 @@ def test_what_cannot_be_spanned_is_refused():
         choose_elements(flat_power(5), [0, 0], max_degree=3)
 
 
+@pytest.mark.parametrize("weight", [0.01, 1.0, 100.0])
+def test_a_direction_that_is_missing_is_the_same_in_any_metric(weight):
+    fields = {"across": [1, 2, 0], "up": [0, 0, 1]}
+    system = StratifiedSystem("x y z", {"0": fields}, "0", metric={"x": weight})
+    with pytest.raises(RankError) as refused:
+        choose_elements(system, [0, 0, 0], max_degree=2)
+    assert refused.value.missing == ("x - 0.5 y",)
+
+
 def test_misshapen_configurations_are_refused():
     with pytest.raises(ValueError, match=r"shape \(1, 3\), expected \(k, 5\)"):
         choose_elements(hexapod(), [0, 0, 0])

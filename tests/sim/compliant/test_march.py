@@ -28,6 +28,18 @@ def test_a_standing_robot_bears_its_weight_and_stays(short):
     assert np.abs(track.place[-1, :2]).max() < 1e-5
 
 
+def test_a_robot_is_stood_up_with_its_lowest_points_on_the_floor(short):
+    """Rounding is of the size of the robot, 0.1 m."""
+    _, phases, way, _ = short
+    rows, yaw = way.commands.rows[:1], np.zeros(1)
+    for floor in (0.0, 0.3):
+        mechanics = increment.Mechanics(phases.mechanics.anatomy, floor)
+        done = mechanics.standing(phases.robots, rows, yaw)
+        assert done.state.gap.min() == pytest.approx(0.0, abs=1e-15)
+        points = done.state.place[:, 2, None, None] + done.arm[..., 2]
+        assert done.state.gap == pytest.approx(points - floor, abs=1e-15)
+
+
 def test_increments_end_where_phases_do(short):
     (track, *_), ends = marched(short, 3.0), short[2].spans[:, 1] * 0.001
     for end in ends[ends <= 3.0]:

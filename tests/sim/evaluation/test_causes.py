@@ -130,9 +130,9 @@ def test_settings_that_predictions_ignore_are_named_with_the_next_step(evidence)
         assert "leave them out one at a time" in likely_cause("drifted", again)
 
 
-def planned_aside(evidence, *names):
+def planned_aside(evidence, *names, by=0.004):
     """Predictions that end 4 mm aside, as the walk does."""
-    off = np.array([0.0, 0.004, 0.0])
+    off = np.array([0.0, by, 0.0])
     moved = {
         name: replace(found, pose=found.pose + off) if name in names else found
         for name, found in evidence.predicted.items()
@@ -151,6 +151,17 @@ def test_a_plan_that_misses_on_paper_asks_for_segments_or_another_prediction(evi
     assert "never lifted drag: --set fields=lifted" in likely_cause("missed", paper)
     none = likely_cause("missed", planned_aside(evidence))
     assert "the plan itself" not in none
+
+
+@pytest.mark.parametrize(
+    ("foreseen", "remedy"), [(0.45, "--steer quasi-static"), (0.55, "--segments 2")]
+)
+def test_segments_are_too_few_where_the_ideal_fields_miss_by_most_of_it(
+    evidence, foreseen, remedy
+):
+    missed = planned_aside(evidence, "quasi_static")
+    some = planned_aside(missed, "ideal", by=0.004 * foreseen)
+    assert remedy in likely_cause("missed", some)
 
 
 def test_a_robot_that_touches_itself_needs_smaller_strokes(evidence):
