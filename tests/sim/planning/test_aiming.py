@@ -105,6 +105,21 @@ def test_a_segment_in_shortest_words_ends_at_its_target(turning):
     assert end[:3] == pytest.approx(turning.scenario.path(0.1), abs=1e-6)
 
 
+def test_a_walk_that_is_replanned_ends_with_its_legs_at_rest(turning):
+    """Legs of a segment before it end where the next one wants them."""
+    swing = (0.05, -0.1)
+    *_, before, last = (
+        rollout(
+            plan_segment(
+                turning, segment, turning.scenario.path(0.1 * segment), swing
+            ).plan
+        )[-1, 3:5]
+        for segment in range(8, 10)
+    )
+    assert np.abs(last).max() < 1e-12
+    assert np.abs(before).max() > 0.01
+
+
 def test_a_segment_is_steered_from_any_pose_and_leg_angles(turning):
     steered = prepare(load_scenario("line", {"steer": "quasi-static", "segments": 10}))
     pose, swing = np.array([0.014, 0.017, 0.02]), (0.05, -0.1)

@@ -1,7 +1,15 @@
 """The table of settings says what the scenario's file says."""
 
-from sim.reports.tables import settings
+from sim.reports.tables import ends, settings
 from sim.runs.run import read_run
+
+
+def test_what_was_predicted_is_told_from_what_was_achieved(walked):
+    run = read_run(walked)
+    names = [name for name, *_ in ends(run).rows]
+    predicted = [name for name in names if name.startswith("predicted, ")]
+    assert len(predicted) == len(run.summary.predicted)
+    assert {"goal", "achieved"} == {*names} - {*predicted}
 
 
 def test_settings_stand_in_the_table_as_in_the_file(folder):
