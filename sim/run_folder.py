@@ -136,7 +136,7 @@ def run(
         again = folder.path / "scenario.toml"
         if not again.exists():
             raise
-        remedy = f"{error.remedy}; again by: stratawalk run {again} --no-video"
+        remedy = f"{error.remedy}; walk again: stratawalk run {again} --no-video"
         remedy += f" --set {error.setting}" if error.setting else ""
         raise SimulationError(error.what, error.where, remedy) from error
     summary = replace(simulation.summary, timing=simulation.timing | {"render": 0.0})

@@ -137,7 +137,7 @@ def _limb(pose: Pose, hip: int, chain: dict[int, list[int]], source: str) -> Lim
         raise ModelError(
             f"the leg of {name!r} cannot swing: {source}; none of its joints has an "
             f"upright axis, {names[swing]!r} is nearest, {np.rad2deg(lean):.0f} "
-            "degrees off: give it one at the hip that turns about the vertical"
+            "degrees off: give the leg a joint at its hip that turns about the vertical"
         )
     toe = pose.bottom(foot)
     level = np.arccos(np.minimum(np.abs(axes[:, 2]), 1.0)) > LEVEL
@@ -191,7 +191,7 @@ def standing_angles(pose: Pose, limbs: Sequence[Limb], source: str) -> dict[str,
     if not floor < belly:
         raise ModelError(
             f"no posture was found to stand in: {source}; its feet reach "
-            f"{1e3 * (belly - lowest):.0f} mm below its body, give it a keyframe"
+            f"{1e3 * (belly - lowest):.0f} mm below its body: give it a keyframe"
         )
     angles: dict[str, float] = {}
     for limb, table in zip(limbs, tables, strict=True):
@@ -243,7 +243,7 @@ def _lowered(
     if first * last > 0:
         raise ModelError(
             f"no posture was found to stand in: {source}; {limb.foot!r} cannot be put "
-            "on one floor with the others, give it a keyframe 'start'"
+            "on one floor with the others: give it a keyframe 'start'"
         )
     for _ in range(BISECTIONS):
         middle = (low + high) / 2

@@ -85,8 +85,8 @@ def rowing(limbs: Sequence[Limb], crawl: Crawl) -> GaitDraft:
         lines.append(f"groups = {{ {', '.join(swings)} }}")
     most = np.rad2deg(np.abs(crawl.turns).max())
     guesses = (
-        "no two groups of its legs can stand alone in turn: it rows on all of them, "
-        "ahead and around, and sets them back one at a time",
+        "no two groups of its legs can stand alone in turn: it rows on all of them "
+        "to go forward and to turn, and sets them back one at a time",
         f"legs are turned by up to {most:.0f} degrees, so that each can be lifted "
         f"while the others stand; strokes are up to {crawl.stroke:.2f} rad either way",
     )

@@ -122,7 +122,7 @@ def draft_card(source: Source) -> Draft:
     )
     guesses += gait.guesses
     if servo is not None:
-        guesses.append(f"servos: joints without one hold with {servo}")
+        guesses.append(f"servos: joints that have none get one of {servo}")
     least = SOFT_SHARE * suited.stiffness
     if soft := [joint for joint in joints if 0 < found[joint] < least]:
         guesses.append(
@@ -165,8 +165,8 @@ def _gait(
     if arms.min() < SHORT * max(float(arms.max()), 1e-9):
         raise ModelError(
             f"foot {limbs[int(arms.argmin())].foot!r} is right below the joint that "
-            f"swings it: {source}; a leg pushes with a foot beside its hip, bend it at "
-            "the start"
+            f"swings it: {source}; a leg can push only with a foot beside its hip: "
+            "bend it at the start"
         )
     weight = pose.center_of_mass[:2]
     # how far each leg may turn clockwise and anticlockwise from where it is [rad]

@@ -112,7 +112,7 @@ def posed(
                 return one, other
     raise ModelError(
         f"its legs cannot be turned so that they meet at pivots: {source}; each group "
-        "can only slide, widen the ranges of the swing joints or turn them at the start"
+        "can only slide: widen the ranges of the swing joints or turn them at the start"
     )
 
 
@@ -224,7 +224,7 @@ def free_reach(
         if level <= 1:
             raise ModelError(
                 f"its legs cannot swing: {source}; {one!r} and {other!r} touch at "
-                "once, make them smaller, or mount the legs farther apart"
+                "once: make them smaller, or mount the legs farther apart"
             )
         swing = farthest * (level - 1) / TRIED_ANGLES
         return Reach(swing, f"beyond which {one!r} and {other!r} would touch", True)

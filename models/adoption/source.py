@@ -190,8 +190,8 @@ def with_rods(path: Path, given: str, text: str) -> tuple[str, tuple[str, ...]]:
     more = len(missing) - SHOWN
     shown = ", ".join(missing[:SHOWN]) + (f" and {more} more" * (more > 0))
     note = (
-        f"its meshes are missing, {shown}: links are rods from joint to joint, and "
-        "legs end at twice the distance of their centre of mass; put the meshes "
+        f"its meshes are missing, {shown}: links become rods from joint to joint, and "
+        "legs end twice as far out as their centre of mass; put the meshes "
         "there, or correct the feet"
     )
     return ET.tostring(robot, encoding="unicode"), (note,)
@@ -225,7 +225,7 @@ def _draw(path: Path, link: ET.Element, ends: list[Point], radius: float) -> Non
     if not any(hypot(*end) for end in ends):
         raise ModelError(
             f"no end of link {link.get('name')!r} is known: {path}; its mesh is "
-            "missing, and it has neither a next joint nor a centre of mass, add one"
+            "missing, and it has neither a next joint nor a centre of mass: add one"
         )
     for x, y, z in ends:
         across, length = hypot(x, y), hypot(x, y, z)

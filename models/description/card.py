@@ -117,7 +117,7 @@ class Servo:
             if not 0 <= (value := getattr(self, name)) < inf:
                 raise ValueError(f"{name} must not be negative, got {value}")
         if self.data and not self.made:
-            raise ValueError(f"{', '.join(self.data)} of no kind; give kind")
+            raise ValueError(f"{', '.join(self.data)} need a kind of servo; give kind")
         if self.made:
             made_of(self.made, self.data)
 
@@ -166,7 +166,7 @@ class Card:
         low, high = CLOCKS
         if not low <= self.board_clock <= high:
             raise ValueError(
-                f"board.clock is some {BOARD_CLOCK:g} Hz, from {low:g} to {high:g}, "
+                f"board.clock must be from {low:g} to {high:g} Hz, "
                 f"got {self.board_clock:g}"
             )
         if not self.description.isprintable():

@@ -210,7 +210,7 @@ def examine(path: Path) -> list[Path]:
     if size > HANDY:
         raise ModelError(
             f"too large: {path}; compiled it has {size / 1e9:.1f} GB, and "
-            f"{HANDY / 1e9:g} GB are the most, leave parts out"
+            f"{HANDY / 1e9:g} GB are the most: leave parts out"
         )
     with one_line(f"MuJoCo cannot run the model: {path}", "too small a <size memory>?"):
         data = mujoco.MjData(model)

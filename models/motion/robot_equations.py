@@ -260,6 +260,6 @@ def _reason(robot: Robot, described: Equations) -> str:
             f"pivots are {1e3 * apart:.3g} mm apart"
         )
     return (
-        f"its strokes are short: even {AFFORDABLE:,.0f} of them make no unit of the "
-        "directions that are missing"
+        f"its strokes are short: even {AFFORDABLE:,.0f} of them add up to less than "
+        "a unit in the directions that are missing"
     )

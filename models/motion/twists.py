@@ -170,7 +170,7 @@ class IdentifiedTwists:
             farthest = np.abs(w[u != 0.0]).max(initial=0.0)
             if farthest > f.reach + ROUNDING_ANGLE:
                 raise MeasurementError(
-                    f"field {name} swings to {farthest:.3g} rad, and is confirmed to "
+                    f"field {name} swings to {farthest:.3g} rad, but is confirmed to "
                     f"{f.reach:.3g} rad either way; plan more segments"
                 )
             parts.append(u[:, None] * f(w))

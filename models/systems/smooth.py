@@ -41,7 +41,7 @@ def car_with_trailers(trailers: int = 1, length: float = 1) -> Problem:
     back, aside = (sp.Add(*map(part, headings[1:])) for part in (sp.cos, sp.sin))
     return smooth(
         name="car-trailers",
-        description="a car with trailers, parked sideways; one degree more for each",
+        description="a car with trailers, parked sideways; each needs one more degree",
         state=["x", "y", *map(str, headings), "phi"],
         fields={"drive": drive, "steer": steer},
         goal={"y": 0.01},

@@ -214,7 +214,7 @@ def _unjudged(
     home, *others = dict.fromkeys(strata)
     advice = []
     if nearly_dependent(union.columns) or _depends_on_units(union):
-        advice.append(f"make fields differ by more than {SPANNED:.0e} of themselves")
+        advice.append(f"make fields differ by more than {SPANNED:.0e} of their size")
     for stratum in others:
         held = _tangent_fields(system, [stratum], home)
         raised = {name: system.fields[name] for name in lifts(system, stratum, home)}
@@ -259,5 +259,5 @@ def _advice(
     if not union.complete and union.depth == max_depth:
         advice.append(f"form brackets beyond degree {max_depth}")
     elif not union.complete:
-        advice.append(f"simplify the fields: too much beyond degree {union.depth}")
+        advice.append(f"simplify the fields: too large beyond degree {union.depth}")
     return (*advice, f"give some stratum a field that moves along {missing[0]}")

@@ -240,7 +240,7 @@ def _index(tree: Tree, basis: Sequence[str]) -> int:
     if name in basis:
         return basis.index(name)
     turned = name_of((tree[1], tree[0])) if isinstance(tree, tuple) else name
-    way_out = f"write {turned}" if turned in basis else "choose among the Hall basis"
+    way_out = f"write {turned}" if turned in basis else "choose from the Hall basis"
     raise ValueError(
         f"element {name} is not in the Hall basis over the fields in order of "
         f"appearance; {way_out}"

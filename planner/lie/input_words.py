@@ -94,7 +94,7 @@ def _shaped(axes: int, h: Array) -> Array:
     if h.ndim != axes:
         raise ValueError(
             f"coordinates of shape {h.shape} have {h.ndim} axes, not {axes}; give "
-            "word the coordinates of one segment, and spellings a row for each"
+            "`word` the coordinates of one segment, `spellings` a row for each segment"
         )
     return h
 

@@ -186,8 +186,8 @@ class Optimiser:
             raise BoundError(f"the best plan found {violations.message(self.task)}")
         if best[0] > LARGEST_MISS and not interrupted:
             raise BoundError(
-                f"the best plan found misses its goal by {best[0]:.2g} of what a unit "
-                "of its strokes moves by; give larger tolerances"
+                f"the best plan found misses its goal by {best[0]:.2g} times the "
+                "motion of a unit of its strokes; give larger tolerances"
             )
         return best[1]
 

@@ -270,7 +270,7 @@ class WindowSearch:
         self._kept_plans.append(found)
         if found is self._best:
             stages, begin = len(found.strokes), float(found.places[0])
-            tick(f"{stages} stages from {begin:.0%} of the path on")
+            tick(f"{stages} stages that begin at {begin:.0%} of the path")
 
     @property
     def _relaxes(self) -> bool:

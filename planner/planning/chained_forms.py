@@ -253,8 +253,8 @@ def _formed(
     still = [vanishes(rate, state) for rate in rates]
     if sorted(still) != [False, True]:
         raise PlannerError(
-            f"{outputs.along} is moved by {2 - sum(still)} of two fields; the first "
-            "flat output is moved by one only"
+            f"{outputs.along} is moved by {2 - sum(still)} of two fields, but the "
+            "first flat output has to be moved by exactly one"
         )
     drive, turn = columns[still.index(False)], columns[still.index(True)]
     rate = declared_or_derived(fu(rates[still.index(False)]), outputs.rate, state)
@@ -268,13 +268,13 @@ def _formed(
         if not vanishes(rate_along(slopes[-1], turn, state), state):
             raise PlannerError(
                 f"{refusal}: {names[still.index(True)]} changes their slope of order "
-                f"{len(slopes) - 1}, and may change that of order {len(state) - 2} "
-                "alone; for a car with trailers take the middle of the last axle"
+                f"{len(slopes) - 1}, and may change only that of order "
+                f"{len(state) - 2}; for trailers take the middle of the last axle"
             )
         slopes.append(rate_along(slopes[-1], ahead, state))
     turned = rate_along(slopes[-1], turn, state)
     if vanishes(turned, state):
-        raise PlannerError(f"{refusal}: the last slope is never turned")
+        raise PlannerError(f"{refusal}: no field changes the last slope")
     fields = {
         AHEAD: ahead - turn * (rate_along(slopes[-1], ahead, state) / turned),
         TURN: turn / turned,

@@ -79,7 +79,7 @@ def _refusal(cuts: Array, found: Sequence[Slack]) -> BoundError:
         f"{cuts[at + 1]:.4g} of the path"
     )
     if not worst.unit:
-        return BoundError(f"the {worst.bound} needs {many}; ask for a shorter path")
+        return BoundError(f"the {worst.bound} needs {many}; give a shorter path")
     return BoundError(
         f"{worst.bound} of {worst.least:.4g} {worst.unit} would need {many}; "
         f"{worst.kept:.4g} {worst.unit} is kept with {len(cuts) - 1}: ask for less"

@@ -21,6 +21,7 @@ from models.description import (
 )
 from planner.support import read_file
 from sim.commands import options as cli
+from sim.commands.declared import real, whole as counted
 from sim.endings import again, keeping, way_on
 from sim.errors import RenderError, UsageError
 from sim.export.calibration import card_with, draw, joint_servo, marks, sheet, strokes
@@ -136,12 +137,12 @@ def _clock(ask: _Asker) -> float | None:
     """The board's clock [Hz]; None where it is not measured."""
 
     def read(text: str) -> float | None:
-        clock, (low, high) = MEGAHERTZ * float(text) if text else None, CLOCKS
-        if clock and not low <= clock <= high:
-            raise ValueError(f"a clock is from {low:g} to {high:g} Hz, not {clock:g}")
-        return clock
+        low, high = (clock / MEGAHERTZ for clock in CLOCKS)
+        if text and not low <= real(text, "a clock", 25) <= high:
+            raise ValueError(f"a clock is from {low:g} to {high:g} MHz, not {text}")
+        return MEGAHERTZ * float(text) if text else None
 
-    return ask("clock of the board, by k in the sketch [MHz, or nothing]: ", read)
+    return ask("clock of the board, as k prints it [MHz; empty: unknown]: ", read)
 
 
 def _found(
@@ -163,9 +164,9 @@ def _found(
 
     def servo(joint: str, channel: int) -> JointServo:
         angles = marks(robot, joint)
-        turned = ask("  from mark 1 to mark 2 as counts grew (+), or back (-)? ", str)
+        turned = ask("  as counts grew, from mark 1 to 2 (+), or back (-)? ", str)
         one, two = (
-            ask(f"  count at mark {number}, {degrees(angle):.1f} degrees: ", int)
+            ask(f"  count at mark {number}, {degrees(angle):.1f} degrees: ", counted)
             for number, angle in enumerate(angles, start=1)
         )
         try:
@@ -177,7 +178,7 @@ def _found(
     for channel in channels:
         if channel in taken or not left:
             continue
-        joint = ask(f"channel {channel}, j {channel}: which joint moved? ", which)
+        joint = ask(f"channel {channel}: which joint moved at j {channel}? ", which)
         if joint != NONE:
             yield joint, servo(joint, channel)
             left.remove(joint)
@@ -208,7 +209,7 @@ class _Asker:
                 return read(self._answer(question).strip())
             except (EOFError, StopIteration):
                 raise UsageError("answers end", self._place, way_on()) from None
-            except ValueError as error:
+            except (ValueError, argparse.ArgumentTypeError) as error:
                 print(f"  {error}")
 
 
@@ -223,7 +224,7 @@ def _check(robot: Robot, kind: ServoKind, folder: RunFolder) -> Mapping[str, str
     commands, told = strokes(robot, kind.command_rate)
     table = servo_table(card, card.joints, kind, pulse, rate=kind.command_rate)
     if pulse:
-        name, title, how = "check.h", "Strokes to check", "its comment has the player"
+        name, title, how = "check.h", "Strokes to check", "a comment in it plays it"
         text = write_header(commands, table, title=title, name="check", file=name)
     else:
         name, text = "check.csv", write_table(commands, table)

@@ -106,7 +106,7 @@ def _reader(kind: str | list[Any]) -> Callable[[str], Any]:
     return (lambda text: read(text, *more)) if more else read
 
 
-def whole(text: str, least: int, most: float = inf) -> int:
+def whole(text: str, least: int = 0, most: float = inf) -> int:
     """A whole number between two, or from one on."""
     try:
         value = int(text)
@@ -114,7 +114,7 @@ def whole(text: str, least: int, most: float = inf) -> int:
         value = least - 1
     if not least <= value <= most:
         wanted = f"{least} or more" if most == inf else f"{least} to {most}"
-        refusal = f"{text} cannot be; give a whole number, {wanted}"
+        refusal = f"{text} is not allowed; give a whole number, {wanted}"
         raise argparse.ArgumentTypeError(refusal)
     return value
 

@@ -150,7 +150,7 @@ def _packages() -> str:
         anew = " ".join(f"'{wanted}'" for wanted in dict(differ))
         remedy = f"{REINSTALL} --no-deps {anew}"
         raise FilesError(said + more, "packages", remedy)
-    return "of the wanted versions, every file as it was installed"
+    return "versions as wanted, every file as it was installed"
 
 
 def differences() -> Iterator[tuple[str, str]]:

@@ -20,8 +20,8 @@ from sim.scenarios.settings import SETTINGS
 
 DESCRIPTION = "Plan how a legged robot walks from its equations, and walk it in MuJoCo."
 EPILOG = (
-    "stratawalk help COMMAND explains a command, scenarios line the settings; "
-    "docs/glossary.md defines the terms."
+    "`stratawalk help COMMAND` explains a command, `stratawalk scenarios line` the "
+    "settings; docs/glossary.md defines the terms."
 )
 OPTIONS = ("-h", "--help", "--version")  # that need no command
 SAME = {"version": "--version", "-V": "--version"}

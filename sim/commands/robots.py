@@ -62,7 +62,7 @@ def adopt(options: argparse.Namespace) -> None:
         remedy = f"walk it: stratawalk run line --robot {options.robot}"
         raise UsageError("it is shipped with a card", options.robot, remedy)
     too_long = ModelError(
-        f"no card was found within {BUDGET:g} s of the processor: {options.robot}; "
+        f"no card was found within {BUDGET:g} s of processor time: {options.robot}; "
         "leave parts out, or write its card by hand as docs/robots.md has it"
     )
     with processor_time(BUDGET, too_long):

@@ -270,8 +270,7 @@ def judged_tries(tries: Sequence[Try], tolerance: float, remedy: str) -> ExitCod
     where = f"{len(tries)} draws"
     broken = [one for one in tries if one.off is None or one.verdict in FAILURES]
     if broken:
-        first = broken[0]
-        how = f"draw {first.draw} and {len(broken) - 1} more: {first.verdict}"
+        how = f"{len(broken)} failed, draw {broken[0].draw} first ({broken[0].verdict})"
         return cli.ended(ExitCode.SIMULATION, how, where, remedy)
     worst = max(one.off or 0.0 for one in tries)
     if worst <= tolerance:

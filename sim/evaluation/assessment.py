@@ -165,7 +165,7 @@ def evaluate(
             twists = partial(of_world, name, partial(twist_model, setup, name))
             require_holding(walk, name, twists, strata)
             follow = partial(predicted_along, walk, name, twists, given)
-            with stage(progress, f"following {name.replace('_', '-')}"):
+            with stage(progress, f"making the {name.replace('_', '-')} prediction"):
                 predicted[name] = caches[name](name, follow)
         except MeasurementError as error:
             unpredicted[name] = str(error)

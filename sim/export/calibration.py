@@ -47,7 +47,7 @@ def joint_servo(
     that cannot be are a ValueError, which says what to look at.
     """
     if turned not in WAYS:
-        raise ValueError(f"it turned + or -, not {turned!r}")
+        raise ValueError(f"answer + or -, not {turned!r}")
     (first, second), apart = counts, angles[1] - angles[0]
     if (second - first) * WAYS[turned] <= 0:
         raise ValueError(

@@ -54,8 +54,8 @@ def together(logs: Sequence[Log]) -> Log:
         order = [log.joints.index(joint) for joint in first.joints]
         off = float(np.abs(log.at(first.time)[:, order] - first.commanded).max())
         if off > SAME_COMMAND:
-            other = f"trial {number} commands up to {degrees(off):.2g} degrees else"
-            done.append(f"{other}; the commands of the first are played")
+            other = f"commands of trial {number} differ by up to {degrees(off):.2g}"
+            done.append(f"{other} degrees; those of the first are played")
         if log.pose is not None:
             poses.append(_finite(first.time, log.time, log.pose))
         if log.lean is not None:
@@ -86,15 +86,15 @@ def measured(log: Log, time: Array, predicted: Array) -> Measured | None:
         return Measured(lean=lean) if other else None
     done: list[str] = []
     if missing := np.count_nonzero(~np.isfinite(log.pose[:, 0])):
-        done.append(f"{missing} rows without a pose are bridged")
+        done.append(f"{missing} rows without a pose are interpolated")
     pose = _finite(time, log.time, log.pose)
     if not np.isfinite(pose[:, 2]).all():
         pose[:, 2] = predicted[:, 2]
-        done.append("no yaw was measured; the prediction's stands for it")
+        done.append("no yaw was measured; that of the prediction is taken")
     x, y, yaw = pose[0].tolist()
     if hypot(x, y) > MOVED_ENOUGH or abs(wrap(yaw)) > TURNED_FRAME:
         first = f"({x:.3g}, {y:.3g}) m and {degrees(yaw):.1f} degrees"
-        done.append(f"poses count from the first one, at {first} in their frame")
+        done.append(f"poses are counted from the first one, at {first} in their frame")
     seen = seen_from(pose[0], pose)
     turned = _turned(seen, predicted)
     if abs(turned) > TURNED_FRAME:

@@ -92,8 +92,8 @@ class Log:
         """
         apart = float(np.abs(self.commanded[-1] - self.commanded[0]).max())
         if times > 1 and apart > radians(1):
-            what = f"its last row is {apart:.3g} rad from its first one and cannot be"
-            raise ValueError(f"{what} repeated; let it end where it begins")
+            what = f"a motion that ends {apart:.3g} rad from its start"
+            raise ValueError(f"{what} cannot be repeated; let it end where it begins")
         starts = np.arange(times)[:, None] * self.time[-1]
         time = np.append(starts + self.time[:-1], times * self.time[-1])
         rows = np.vstack([*[self.commanded[:-1]] * times, self.commanded[-1:]])
@@ -109,7 +109,7 @@ def of_function(gait: Gait, duration: float, rate: float = 200.0) -> Log:
     rows = [dict(gait(float(t))) for t in time]
     joints = tuple(rows[0])
     if not joints or any(row.keys() != rows[0].keys() for row in rows):
-        raise ValueError("gait(t) names no joint, or others at other times")
+        raise ValueError("gait(t) names no joint, or different ones at different times")
     return Log(time, joints, np.array([[float(r[j]) for j in joints] for r in rows]))
 
 
@@ -231,7 +231,7 @@ def _check_time(time: Array) -> None:
     if (back := np.diff(time) < SHORTEST_STEP).any():
         row = int(back.argmax())
         moments = f"from {time[row]:.9g} s to {time[row + 1]:.9g} s in row {row + 2}"
-        raise ValueError(f"time goes {moments}; sort the rows, and keep one a moment")
+        raise ValueError(f"time goes {moments}; sort the rows, one for each time")
     if not SHORTEST_LOG <= (length := time[-1] - time[0]) <= LONGEST_LOG:
         most = f"give {SHORTEST_LOG:g} to {LONGEST_LOG:g} s, in seconds"
         raise ValueError(f"it lasts {length:.6g} s; {most}")

@@ -209,9 +209,9 @@ class MarginBound:
         cannot = f"min_margin of {self.least:.4g} m cannot be kept: "
         if walking > standing:
             return BoundError(
-                f"{cannot}the walk repositions its legs before every lift-off, keeps "
-                f"{walking:.4g} m, and shorter segments need the same lift-offs; "
-                "ask for less"
+                f"{cannot}the walk keeps {walking:.4g} m although its legs are "
+                "repositioned before every lift-off, and shorter segments need the "
+                "same lift-offs; ask for less"
             )
         return BoundError(
             f"{cannot}standing on S{stratum} with all legs at angle 0 the margin is "

@@ -289,10 +289,10 @@ def _path(setup: Setup, start: Array, aims: Array) -> Path:
 def unaimed(setup: Setup, what: str, miss: float) -> ConvergenceError:
     """The error of what steering does not bring to its end, and what may help."""
     scenario = setup.scenario
-    ways = f"--segments {2 * scenario.segments}, or steer on another one"
+    ways = f"give --segments {2 * scenario.segments}, or another --steer"
     if scenario.fields == "paper":
-        ways = f"--set fields=lifted, so that no foot has to drag, {ways}"
+        ways = f"give --set fields=lifted, so that no foot has to drag, or {ways}"
     return ConvergenceError(
-        f"{what} still misses its end by {1e3 * miss:.3g} mm or mrad, steered on the "
+        f"{what} still misses its end by {1e3 * miss:.3g} mm or mrad, steered by the "
         f"{scenario.steer} prediction; {ways}"
     )

@@ -73,7 +73,7 @@ def _remedy(robot: Robot) -> str:
             "legs that are mounted elsewhere or have more room to swing; no groups and "
             "posture of these legs were found in which it goes everywhere"
         )
-    return f"{proposal}; `stratawalk adopt` gives that to a copy without a card"
+    return f"{proposal}; `stratawalk adopt` does so for a copy without a card"
 
 
 def require_gait(scenario: Scenario, robot: Robot, described: Equations) -> None:

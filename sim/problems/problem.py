@@ -131,7 +131,7 @@ class Problem(ABC):
     def refusal(self, error: RangeError) -> PlannerError:
         """The error of a plan that no number of segments makes fit, and what may."""
         found = tried(self._remedies(), math.inf, self.plan_time)
-        return PlannerError(f"{error}; tried: {found}")
+        return PlannerError(f"{error}; what helps: {found}")
 
     def helps(self, plan: Plan) -> str:
         """What would help a plan that ends far off its goal; empty for others."""

@@ -113,6 +113,6 @@ def _drift(runs: Sequence[Run]) -> Table:
         columns.append(column)
     rows = dict.fromkeys(chain(*columns))
     return Table(
-        ("off ideal (unexplained by the best), by phase [mm]", *names(runs)),
+        ("off ideal (unexplained by the best prediction), by phase [mm]", *names(runs)),
         [(name, *(column.get(name, "") for column in columns)) for name in rows],
     )

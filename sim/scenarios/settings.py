@@ -52,13 +52,13 @@ class Settings:
         "order of the flows: with centred strokes, or as in the paper", None, "plan"
     )
     words: Literal["printed", "shortest", "symmetric"] = setting(
-        "flows: the paper's, the shortest, or alternately mirrored", "printed", "plan"
+        "words of flows: the paper's, shortest, or mirrored by turns", "printed", "plan"
     )
     degree: Annotated[int, Range(1, 8)] | None = setting(
         "degree of the nilpotent approximation, Sec. 6", None, "equations"
     )
     gait: tuple[str, ...] | None = setting(
-        "order in which strata are visited, eq. (11); any if not given", None, "plan"
+        "order in which strata are visited, eq. (11); free if not given", None, "plan"
     )
     motion: str | None = setting(
         "log of joint angles to play in place of a plan", None, ("plan", "world")
@@ -171,7 +171,7 @@ class Settings:
         "delay from a command to the servo's motion", 0.0, "drive", "s"
     )
     dead_band: Literal["own"] | Width | tuple[Width, ...] = imperfection(
-        "width of the errors without torque; own: that of the make", 0.0, "world", "rad"
+        "width of the range without torque; own: that of the make", 0.0, "world", "rad"
     )
     dead_band_spread: Annotated[float, Range(0, 1)] = imperfection(
         "share by which dead bands differ at random", 0.0, "world"
@@ -180,7 +180,7 @@ class Settings:
         "dead band to allow for; dead_band if not given", None, "drive", "rad"
     )
     dead_band_law: Literal["offset", "step"] = setting(
-        "torque beyond the band grows with the error's part beyond, or with all of it",
+        "torque beyond the band: in proportion to the excess, or to the whole error",
         "offset",
         "world",
     )
@@ -249,7 +249,7 @@ class Settings:
         "physics steps between recorded rows", 10, "rows"
     )
     playback: Annotated[float, Range(LEAST, 1000)] | None = setting(
-        "film speed over real time; fits the walk if not given", None, "film"
+        "film speed in multiples of real time; by default fits the walk", None, "film"
     )
     seed: Annotated[int, Range(0, 2**32 - 1)] = setting(
         "seed of the search for a way around obstacles", 0, "plan"

@@ -118,7 +118,7 @@ class Outcome:
         words = self.digest, self.status, *self.software.values(), *self.numbers
         numbers = self.numbers.values()
         if not (all(map(_is_text, words)) and all(map(_is_plain, numbers))):
-            raise TypeError("its texts or numbers are none")
+            raise TypeError("a text of it is no text, or a number no number")
 
     @property
     def line(self) -> bytes:

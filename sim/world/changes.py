@@ -40,8 +40,8 @@ def changes(robot: Robot, scenario: Scenario) -> Iterator[str]:
         yield f"servos replace the motors of joints {_listed(replaced)}"
     if late := delayed_servos(robot):
         yield (
-            f"servos of joints {_listed(late)} follow commands through a filter, "
-            "behind the others; it is left out"
+            f"servos of joints {_listed(late)} follow commands through a filter and "
+            "lag behind the others; it is left out"
         )
     asked = servo_settings(scenario, robot.card)
     if added := added_rotors(robot, asked):

@@ -61,7 +61,7 @@ def ensure_floor(spec: mujoco.MjSpec, robot: Robot) -> Floor:
         if not (foot.contype or foot.conaffinity):
             raise ModelError(
                 f"foot {foot.name!r} never touches anything: {robot.path}; its contype "
-                "and conaffinity are 0, give it contype or name another geom"
+                "and conaffinity are 0: give it contype or name another geom"
             )
     planes = _planes(spec, robot, feet)
     floors = [p for p in planes if p.tilt < LEVEL and not p.out_of_reach]
@@ -105,11 +105,11 @@ def _refuse_half_a_floor(plane: _Plane, robot: Robot) -> None:
     if plane.tilt >= LEVEL:
         raise ModelError(
             f"{plane} is tilted by {np.rad2deg(plane.tilt):.3g} degrees: {robot.path}; "
-            "a floor is horizontal, level it or leave it out"
+            "a floor is horizontal: level it or leave it out"
         )
     raise ModelError(
         f"{plane} cannot be touched by {', '.join(map(repr, plane.out_of_reach))}: "
-        f"{robot.path}; a floor is for all feet, correct contype or conaffinity"
+        f"{robot.path}; a floor is for all feet: correct contype or conaffinity"
     )
 
 

@@ -167,7 +167,7 @@ def test_feet_that_slid_and_moved_the_body_have_slipped(short_walk):
     evaluation = slipping(short_walk.evaluation, 0.12)
     verdict = beside(evaluation, np.array([0.0, 0.0003, 0.0]))
     assert verdict.word == "slipped"
-    assert "that of leg 5 before all" in verdict.text
+    assert "that of leg 5 most of all" in verdict.text
     # as on soft floors, where feet creep and the body stays
     assert beside(evaluation, np.array([0.0, 0.0001, 0.0])).word == "arrived"
     little = slipping(short_walk.evaluation, 0.08)  # of what was predicted 8.7 %
@@ -190,7 +190,7 @@ def test_what_is_beyond_the_tolerance_ends_with_seven(tmp_path, capsys):
     assert main([*walk, "--out", str(tmp_path / "run")]) == 7
     out, err = capsys.readouterr()
     assert out.startswith("Missed its goal by ")
-    assert "the plan itself misses it by" in out
+    assert "the plan itself misses the goal by" in out
     assert "off its goal, yaw included, beyond --tolerance 0.25: line on" in err
     again = [*walk, "--out", str(tmp_path / "other"), "--tolerance"]
     assert main([*again, "none"]) == 0

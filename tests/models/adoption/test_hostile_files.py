@@ -115,7 +115,7 @@ def test_a_urdf_that_is_trusted_opens_what_it_names(urdf):
 @pytest.mark.parametrize("mesh", ABSENT.values(), ids=ABSENT)
 def test_a_mesh_that_is_nowhere_to_be_opened_is_left_out_and_named(urdf, mesh):
     source = source_of(str(urdf(mesh, origin=CENTRE)))
-    assert f"its meshes are missing, {mesh}: links are rods" in source.notes[0]
+    assert f"its meshes are missing, {mesh}: links become rods" in source.notes[0]
     assert "<mesh" not in source.text
     with pytest.raises(ModelError, match="no end of link 'base' is known: .*its mesh"):
         source_of(str(urdf(mesh)))

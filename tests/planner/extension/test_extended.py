@@ -104,7 +104,7 @@ def test_numeric_fields_span_as_symbolic_ones_do():
         (["g12_1", "1"], "element g12_1 is listed twice"),
         (["g9"], "field g9 is unknown"),
         (["g12_1", "g12_2", "[g12_2,g12_1]"], r"write \[g12_1,g12_2\]"),
-        (["g12_1", "g12_2", "[1,[2,[1,2]]]"], "choose among the Hall basis"),
+        (["g12_1", "g12_2", "[1,[2,[1,2]]]"], "choose from the Hall basis"),
     ],
 )
 def test_elements_that_make_no_system_are_refused(elements, message):

@@ -76,7 +76,7 @@ def test_a_path_that_is_too_long_for_the_legs_is_refused_as_such(monkeypatch):
         left = 0.01 - np.diff(cuts)
         return [Slack("joint range", 0.0, np.full(len(left), 0.01), left, law=1.0)]
 
-    message = "the joint range needs more than 50 segments, .*; ask for a shorter path"
+    message = "the joint range needs more than 50 segments, .*; give a shorter path"
     with pytest.raises(BoundError, match=message):
         subdivide(np.array([0.0, 1.0]), reach)
 

@@ -104,7 +104,7 @@ def test_a_robot_that_takes_too_long_is_refused_in_time(tmp_path, capsys, monkey
     assert main(["adopt", str(path)]) == 3
     assert process_time() - began < 5
     *_, line = capsys.readouterr().err.splitlines()
-    assert "no card was found within 0.5 s of the processor" in line
+    assert "no card was found within 0.5 s of processor time" in line
     assert names(tmp_path) == ["spider.xml"]
     assert signal.getitimer(signal.ITIMER_PROF) == (0.0, 0.0)
 
@@ -152,5 +152,5 @@ def test_a_search_without_end_ends(tmp_path, capsys):
     assert main(["adopt", str(path)]) == 3
     assert sum(times()[:4]) - sum(began[:4]) < 40
     *_, line = capsys.readouterr().err.splitlines()
-    assert "no card was found within 30 s of the processor" in line
+    assert "no card was found within 30 s of processor time" in line
     assert names(tmp_path) == ["six.xml"]

@@ -183,7 +183,7 @@ def test_a_slip_of_the_finger_is_answered_with_what_was_meant(words, meant, caps
         ("run line --softer", "write --set floor_stiffness=1e4 for the floor"),
         ("settings", "try stratawalk scenarios line, which lists all"),
         ("robots --list", "leave it out: stratawalk robots"),
-        ("plan car --plot", "of a system --save plan.json, and plot"),
+        ("plan car --plot", "for a system write --save plan.json, and plot"),
         ("plan unicycle --goal y 2", "'y' gives no value: --goal; write"),
     ],
 )
@@ -282,14 +282,14 @@ def test_the_version_of_a_run_ends_no_entry_of_a_bibliography(folder, capsys):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ("run line --draw -1", "-1 cannot be; give a whole number, 0 or more"),
-        ("run line --tries 0", "0 cannot be; give a whole number, 1 or more"),
+        ("run line --draw -1", "-1 is not allowed; give a whole number, 0 or more"),
+        ("run line --tries 0", "0 is not allowed; give a whole number, 1 or more"),
         (
             "run line --tolerance a",
             "a is not a share; give a number such as 0.05",
         ),
         ("export line --format csv --out x --rate 0", "0 is not a rate; give a number"),
-        ("design hexapod --designs 1.5", "1.5 cannot be; give a whole number, 1 or"),
+        ("design hexapod --designs 1.5", "1.5 is not allowed; give a whole number, 1 or"),
         ("sweep legs --out x --shard 5/4", "no part 5 of 4; give I/N with I from 1"),
     ],
 )

@@ -26,7 +26,7 @@ def test_a_divergence_leaves_what_led_to_it_and_says_how_to_see_it_again(
     assert "diverged at joint 'lift_3', warning BADQACC: t = 0.03" in said
     assert (tmp_path / "here" / "commands.npz").exists()
     assert not (tmp_path / "here" / "summary.json").exists()
-    again = said.rpartition("again by: stratawalk ")[2].split()
+    again = said.rpartition("walk again: stratawalk ")[2].split()
     assert stratawalk(*again, "--out", "again").returncode == 4
     states = [np.load(tmp_path / name / "divergence.npz") for name in ("here", "again")]
     assert 0 < len(states[0]["time"]) <= 100

@@ -143,7 +143,7 @@ def planned_aside(evidence, *names, by=0.004):
 
 def test_a_plan_that_misses_on_paper_asks_for_segments_or_another_prediction(evidence):
     both = likely_cause("missed", planned_aside(evidence, "ideal", "quasi_static"))
-    assert "by the quasi-static prediction the plan itself misses it by 40" in both
+    assert "the quasi-static prediction, the plan itself misses the goal by 40" in both
     assert "(--segments 2), or plan again on the way" in both
     real = likely_cause("missed", planned_aside(evidence, "quasi_static"))
     assert "--steer quasi-static finds a plan if they can reach it" in real

@@ -23,7 +23,7 @@ def test_a_camera_that_is_shifted_and_turned_with_the_tag_sees_the_same_way():
     np.testing.assert_allclose(seen.pose, WAY, atol=1e-12)
     (said,) = seen.done
     first = "at (0.4, -0.2) m and 114.6 degrees in their frame"
-    assert said == f"poses count from the first one, {first}"
+    assert said == f"poses are counted from the first one, {first}"
     assert measured(log(WAY), TIME, WAY).done == ()
 
 
@@ -50,8 +50,8 @@ def test_gaps_are_bridged_and_a_yaw_that_nobody_measured_is_the_predictions():
     seen = measured(log(holes), TIME, WAY)
     np.testing.assert_allclose(seen.pose, WAY, atol=2e-4)
     assert seen.done == (
-        "3 rows without a pose are bridged",
-        "no yaw was measured; the prediction's stands for it",
+        "3 rows without a pose are interpolated",
+        "no yaw was measured; that of the prediction is taken",
     )
 
 
@@ -69,7 +69,7 @@ def test_trials_become_their_mean_and_its_standard_error():
 
 def test_trials_of_other_commands_are_told_apart():
     other = replace(log(WAY), commanded=np.full((41, 1), 0.1))
-    assert "commands up to 5.7 degrees else" in together([log(WAY), other]).done[0]
+    assert "commands of trial 2 differ by up to 5.7 degrees" in together([log(WAY), other]).done[0]
     with pytest.raises(ValueError, match="trial 2 commands other joints"):
         together([log(WAY), replace(log(WAY), joints=("knee",))])
 

@@ -125,5 +125,5 @@ def test_a_period_is_repeated_where_it_ends_as_it_begins(read):
     twice = log.repeated(2)
     assert twice.time.tolist() == [0, 1, 2, 3, 4]
     assert twice.commanded.ravel().tolist() == [0, 1, 0, 1, 0]
-    with pytest.raises(ValueError, match="1 rad from its first one"):
+    with pytest.raises(ValueError, match="1 rad from its start cannot be repeated"):
         read("time,hip_1\n0,0\n1,1\n").repeated(2)

@@ -147,7 +147,7 @@ def test_a_plan_that_steering_does_not_bring_home_is_told_other_fields(fields):
     told = replace(load_scenario("line"), fields=fields, steer="compliant")
     error = str(unaimed(SimpleNamespace(scenario=told), "the plan", 0.283))
     assert "the plan still misses its end by 283 mm or mrad" in error
-    assert "steered on the compliant prediction" in error
+    assert "steered by the compliant prediction" in error
     assert ("--set fields=lifted, so that no foot has to" in error) == (
         fields == "paper"
     )
