@@ -44,7 +44,7 @@ def main(poses: Iterable[str] = sys.stdin) -> None:
             break
         feedback.moved(meant, seconds=6.0)
         feedback.seen([float(word) for word in seen.split()] or None)
-        print("thought at", feedback.pose.round(4), file=sys.stderr)
+        print("estimated at", feedback.pose.round(4), file=sys.stderr)
 
 
 if __name__ == "__main__":

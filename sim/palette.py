@@ -93,7 +93,7 @@ class PathMark:
 
 NOMINAL = PathMark("nominal path", Colour(84, 88, 98), 0.01, 1.2, (3.7, 1.6))
 ACHIEVED = PathMark("achieved path", Colour(0, 128, 98), 0.008, 2.2)
-THOUGHT = PathMark("thought to be there", Colour(15, 0, 225), 0.004, 0.7)
+THOUGHT = PathMark("estimated pose", Colour(15, 0, 225), 0.004, 0.7)
 PREDICTED: Mapping[str, PathMark] = {
     "ideal": PathMark("ideal prediction", Colour(176, 96, 0), 0.006, 0.7),
     "quasi_static": PathMark(

@@ -28,8 +28,8 @@ from sim.world.imperfections import BACKLASH, turned
 BODY = (
     Parameter(name="friction", unit="", spread=0.4, step=0.04, low=0.05),
     Parameter(name="payload", unit="kg", spread=0.3, step=0.02, low=0.0),
-    Parameter(name="its place ahead", unit="kg m", spread=0.01, step=5e-4),
-    Parameter(name="its place to the left", unit="kg m", spread=0.01, step=5e-4),
+    Parameter(name="payload times x", unit="kg m", spread=0.01, step=5e-4),
+    Parameter(name="payload times y", unit="kg m", spread=0.01, step=5e-4),
     Parameter(name="slope ahead", unit="rad", spread=0.03, step=2e-3),
     Parameter(name="slope to the left", unit="rad", spread=0.03, step=2e-3),
     Parameter(name="stiffness", unit="N m/rad", spread=0.5, step=0.05, logarithm=True),

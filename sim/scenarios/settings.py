@@ -225,7 +225,7 @@ class Settings:
         "highest speed of a swing joint", 0.5, "motion", "rad/s"
     )
     swing_acceleration: Annotated[float, Range(LEAST, 1e4)] = setting(
-        "highest acceleration of a swing joint", 5.0, "motion", "rad/s2"
+        "highest acceleration of a swing joint", 5.0, "motion", "rad/s^2"
     )
     lift_height: Annotated[float, Range(LEAST, 1)] | None = setting(
         "height of a lifted foot above the floor", None, "motion", "m"

@@ -69,7 +69,7 @@ def off(pose, goal):
 def test_a_robot_elsewhere_goes_by_the_poses_it_sends():
     pose, drive = driven()
     assert drive.returncode == 0, drive.stderr
-    words = re.search("segment 2 of 2: thought at (.*) m, (.*) m", drive.stderr)
+    words = re.search("segment 2 of 2: estimated at (.*) m, (.*) m", drive.stderr)
     # four readings of 0.2 mm; the robot stands still for half a second after them
     assert off(pose, [float(word) for word in words.groups()]) < 0.5e-3
 

@@ -289,7 +289,10 @@ def test_the_version_of_a_run_ends_no_entry_of_a_bibliography(folder, capsys):
             "a is not a share; give a number such as 0.05",
         ),
         ("export line --format csv --out x --rate 0", "0 is not a rate; give a number"),
-        ("design hexapod --designs 1.5", "1.5 is not allowed; give a whole number, 1 or"),
+        (
+            "design hexapod --designs 1.5",
+            "1.5 is not allowed; give a whole number, 1 or",
+        ),
         ("sweep legs --out x --shard 5/4", "no part 5 of 4; give I/N with I from 1"),
     ],
 )
