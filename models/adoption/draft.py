@@ -117,7 +117,7 @@ def draft_card(source: Source) -> Draft:
     servo = None if all(found.values()) else suited
     held = sum(len(limb.hold) for limb in limbs)
     guesses.append(
-        f"{len(limbs)} legs: joints nearest to the vertical swing them, those that "
+        f"{len(limbs)} legs: joints with the most upright axes swing them, those that "
         f"raise the feet most lift them{f'; {held} more are held' if held else ''}"
     )
     guesses += gait.guesses

@@ -46,8 +46,8 @@ def drive(options: argparse.Namespace) -> None:
             stop = walk.seen(segment, link.reading(walk))
             x, y, yaw = stop.thought
             cli.notice(
-                f"segment {segment + 1} of {walk.setup.scenario.segments}: estimated at "
-                f"{x:z.4f} m, {y:z.4f} m, {yaw:z.3f} rad",
+                f"segment {segment + 1} of {walk.setup.scenario.segments}: estimated "
+                f"at {x:z.4f} m, {y:z.4f} m, {yaw:z.3f} rad",
                 "driven",
             )
         link.send(walk, walk.stand())

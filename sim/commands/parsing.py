@@ -36,8 +36,8 @@ class Parser(argparse.ArgumentParser):
         lacking = message.removeprefix("the following arguments are required: ")
         if lacking != message:
             raise UsageError(f"{lacking} missing", self.prog, str(self.epilog))
-        example = f"; {self.epilog}" if self.epilog else ""
-        raise UsageError(message, PLACE, f"see {self.prog} --help{example}")
+        option, _, what = message.removeprefix("argument ").partition(": ")
+        raise UsageError.at(option, ValueError(what), f"see {self.prog} --help")
 
     def parse_known_args(  # type: ignore[override]
         self,

@@ -39,8 +39,8 @@ NOTE = (
     "nominal path: it goes forward and back, as one parks a car."
 )
 SHARES = (
-    "To the right: the part of the walk that is done [%]. Drawn is the largest distance "
-    "in each segment, or in each phase of a walk of few segments."
+    "To the right: the part of the walk that is done [%]. Drawn is the largest "
+    "distance in each segment, or in each phase of a walk of few segments."
 )
 
 

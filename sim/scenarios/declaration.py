@@ -229,7 +229,7 @@ def words(kind: object) -> str:
         return f"a list of {words(inner[0])}"
     if origin is tuple:
         each = [words(n).removeprefix("a number ") for n in inner if n is not Ellipsis]
-        count = f"{len(each)} numbers," if len(each) == len(inner) else "numbers"
+        count = f"{len(each)} numbers:" if len(each) == len(inner) else "numbers"
         return f"a list of {count} {', '.join(each)}"
     if origin is Annotated and isinstance(inner[1], Range):
         noun = "a whole number" if inner[0] is int else "a number"

@@ -160,4 +160,4 @@ def test_poses_that_nobody_asks_for_take_no_more_memory(monkeypatch):
 @pytest.mark.parametrize("pace", ["1e-320", "1e300", "nan", "-1"])
 def test_a_pace_that_no_clock_measures_is_refused(pace, capsys):
     assert main(["drive", "line", "--pace", pace]) == 2
-    assert "is not a pace; give a number such as 1" in capsys.readouterr().err
+    assert "is not a pace: --pace; give a number such as 1" in capsys.readouterr().err

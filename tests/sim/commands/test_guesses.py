@@ -282,18 +282,15 @@ def test_the_version_of_a_run_ends_no_entry_of_a_bibliography(folder, capsys):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ("run line --draw -1", "-1 is not allowed; give a whole number, 0 or more"),
-        ("run line --tries 0", "0 is not allowed; give a whole number, 1 or more"),
+        ("run line --draw -1", "-1 is not allowed: --draw; give a whole number, 0 or"),
+        ("run line --tries 0", "0 is not allowed: --tries; give a whole number, 1 or"),
+        ("run line --tolerance a", "a is not a share: --tolerance; give a number such"),
+        ("export line --format csv --out x --rate 0", "0 is not a rate: --rate; give"),
+        ("design hexapod --designs 1.5", "1.5 is not allowed: --designs; give"),
         (
-            "run line --tolerance a",
-            "a is not a share; give a number such as 0.05",
+            "sweep legs --out x --shard 5/4",
+            "no part 5 of 4: --shard; give I/N with I from 1",
         ),
-        ("export line --format csv --out x --rate 0", "0 is not a rate; give a number"),
-        (
-            "design hexapod --designs 1.5",
-            "1.5 is not allowed; give a whole number, 1 or",
-        ),
-        ("sweep legs --out x --shard 5/4", "no part 5 of 4; give I/N with I from 1"),
     ],
 )
 def test_a_number_out_of_range_is_refused_with_one_that_is_not(words, said, capsys):

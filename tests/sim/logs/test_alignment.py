@@ -69,10 +69,8 @@ def test_trials_become_their_mean_and_its_standard_error():
 
 def test_trials_of_other_commands_are_told_apart():
     other = replace(log(WAY), commanded=np.full((41, 1), 0.1))
-    assert (
-        "commands of trial 2 differ by up to 5.7 degrees"
-        in together([log(WAY), other]).done[0]
-    )
+    said = together([log(WAY), other]).done[0]
+    assert "commands of trial 2 differ by up to 5.7 degrees" in said
     with pytest.raises(ValueError, match="trial 2 commands other joints"):
         together([log(WAY), replace(log(WAY), joints=("knee",))])
 

@@ -156,9 +156,7 @@ def test_a_function_is_played_and_a_joint_that_the_robot_lacks_is_named():
     with pytest.raises(UsageError, match="no joint 'lift_9': the gait; did you mean"):
         play(load("hexapod"), lambda t: {"lift_9": 0.0}, 0.3)
     for gait in (lambda t: {f"lift_{1 + (t > 0)}": 0.0}, lambda t: {}):
-        with pytest.raises(
-            UsageError, match="names no joint, or different ones at different"
-        ):
+        with pytest.raises(UsageError, match="no joint, or different ones at diff"):
             play(load("hexapod"), gait, 0.3)
 
 
