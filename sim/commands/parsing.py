@@ -37,7 +37,7 @@ class Parser(argparse.ArgumentParser):
         if lacking != message:
             raise UsageError(f"{lacking} missing", self.prog, str(self.epilog))
         option, _, what = message.removeprefix("argument ").partition(": ")
-        raise UsageError.at(option, ValueError(what), f"see {self.prog} --help")
+        raise UsageError.at(option, ValueError(what), self.epilog or f"see {self.prog} -h")
 
     def parse_known_args(  # type: ignore[override]
         self,

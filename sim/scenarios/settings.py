@@ -249,7 +249,7 @@ class Settings:
         "physics steps between recorded rows", 10, "rows"
     )
     playback: Annotated[float, Range(LEAST, 1000)] | None = setting(
-        "film speed in multiples of real time; by default fits the walk", None, "film"
+        "film speed (1: real time); fits the walk if not given", None, "film"
     )
     seed: Annotated[int, Range(0, 2**32 - 1)] = setting(
         "seed of the search for a way around obstacles", 0, "plan"

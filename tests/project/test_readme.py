@@ -120,7 +120,13 @@ def test_the_card_shown_has_the_keys_of_the_shipped_cards():
     assert real["leg"]["1"].keys() <= shown["leg"]["1"].keys()
 
 
-BELOW = ("switch", "terms", "slip:", "while")  # first words of lines below the rows
+BELOW = (
+    "switch",
+    "terms",
+    "margin:",
+    "slip:",
+    "while",
+)  # first words of lines below the rows
 
 
 def test_the_comparisons_shown_have_todays_rows_and_columns():

@@ -173,9 +173,9 @@ def test_run_leaves_a_folder_and_says_where(stratawalk, tmp_path):
     }
     assert not (folder / "video.mp4").exists()
     starts = [line.split()[0] for line in done.stdout.splitlines() if line]
-    assert starts[-12:] == [
+    assert starts[-13:] == [
         "goal", "ideal", "quasi-static", "identified", "compliant", "achieved",
-        "switch", "terms", "slip:", "while", "folder", "report",
+        "switch", "terms", "margin:", "slip:", "while", "folder", "report",
     ]  # fmt: skip
     made = [line.split()[-1] for line in done.stdout.splitlines()[-2:]]
     assert made == ["runs/line-001", "runs/line-001/report.html"]

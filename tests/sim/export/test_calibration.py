@@ -128,7 +128,7 @@ def told_of(capsys):
     ("turned", "counts", "said"),
     [
         ("+", (400, 300), r"turned \+ .* from 400 to 300; look at the marks"),
-        ("x", (300, 400), "it turned \\+ or -, not 'x'"),
+        ("x", (300, 400), "answer \\+ or -, not 'x'"),
         ("+", (300, 310), "10 counts for 57 degrees, and its make takes 111; look"),
         ("+", (0, 10**400), "0 counts for 57 degrees, and its make takes 111; look"),
     ],
