@@ -36,8 +36,8 @@ class Parser(argparse.ArgumentParser):
         lacking = message.removeprefix("the following arguments are required: ")
         if lacking != message:
             raise UsageError(f"{lacking} missing", self.prog, str(self.epilog))
-        option, _, what = message.removeprefix("argument ").partition(": ")
-        raise UsageError.at(option, ValueError(what), self.epilog or f"see {self.prog} -h")
+        name, _, why = message.removeprefix("argument ").partition(": ")
+        raise UsageError.at(name, ValueError(why), self.epilog or f"see {self.prog} -h")
 
     def parse_known_args(  # type: ignore[override]
         self,
