@@ -77,9 +77,7 @@ def again(*more: str) -> str:
 
 def way_on() -> str:
     """What is kept of unfinished work, and the command that goes on."""
-    if kept := kept_work():
-        return kept
-    return f"written files are complete; start again: {again()}"
+    return kept_work() or f"written files are complete; start again: {again()}"
 
 
 def kept_work() -> str:

@@ -145,7 +145,8 @@ def exit_code(error: BaseException) -> ExitCode:
 def last_words(error: BaseException) -> str:
     """What the command says as it ends with an error, and how to go on where it can."""
     code = exit_code(error)
-    further = way_on() if code in _SIGNALS else kept_work() if code in _GO_ON else ""
+    ended = code in _SIGNALS or (isinstance(error, OSError) and not error.filename)
+    further = way_on() if ended else kept_work() if code in _GO_ON else ""
     return "; ".join(filter(None, (one_line(error), further)))
 
 

@@ -237,8 +237,7 @@ def mobility_of(robot: Robot, described: Equations) -> Mobility:
     costs = tuple(cost for cost in found if cost.direction in WAYS)
     reached = {cost.direction for cost in costs if not cost.in_theory_only}
     lacking = tuple(words for name, words in WAYS.items() if name not in reached)
-    reason = _reason(robot, described) if lacking else ""
-    return Mobility(costs, lacking, reason)
+    return Mobility(costs, lacking, _reason(robot, described) if lacking else "")
 
 
 def _reason(robot: Robot, described: Equations) -> str:

@@ -38,8 +38,7 @@ def whole_file(path: Path | str, size: int = 0) -> Iterator[Path]:
         os.replace(part, path)
         _flush(path.parent)
     except OSError as error:
-        reason = error.strerror or str(error)
-        raise OSError(error.errno, reason, str(path)) from error
+        raise OSError(error.errno, error.strerror or str(error), str(path)) from error
     finally:
         with suppress(OSError):
             part.unlink()
@@ -81,8 +80,7 @@ def read_file(path: Path | str, largest: int = LARGEST_TEXT) -> bytes:
     with open_file(path) as file:
         content = file.read(largest + 1)
     if len(content) > largest:
-        reason = f"larger than {largest / 1e6:g} MB"
-        raise OSError(errno.EFBIG, reason, str(path))
+        raise OSError(errno.EFBIG, f"larger than {largest / 1e6:g} MB", str(path))
     return content
 
 

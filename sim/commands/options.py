@@ -180,7 +180,7 @@ def robot_of(options: argparse.Namespace, name: str) -> Robot:
 def report(options: argparse.Namespace, facts: object, *lines: object) -> None:
     """Print facts as JSON alone where that is asked for, and lines elsewhere."""
     found = json.dumps(facts, indent=1) if options.json else "\n".join(map(str, lines))
-    print(printable(found))
+    print(printable(found), flush=True)
 
 
 @contextmanager

@@ -42,7 +42,8 @@ def sweep(options: argparse.Namespace) -> ExitCode:
         what = "a scheduler has workers of its own"
         raise UsageError(what, "--workers and --scheduler", "keep one of them")
     workers = workers or len(os.sched_getaffinity(0))
-    points = sweeping.points_of(asked, shard)
+    with cli.working(options, "checking points"):
+        points = sweeping.points_of(asked, shard)
     folder = claim(Path(options.out), shard, options.resume)
     far, first = "what is done is", None
 
@@ -50,24 +51,24 @@ def sweep(options: argparse.Namespace) -> ExitCode:
         on = again(*([] if options.resume else ["--resume"]))
         return f"{far} kept in {options.out}; go on: {on}"
 
-    with bar(quiet=options.json) as progress, keeping(kept):
+    def show(done: int, failed: int, count: int) -> None:
+        nonlocal far, first
+        far = f"{done} of {count} points are done and"
+        if first is None:
+            first = done  # which count for no pace
+            if not options.json:
+                print(f"{count} points, {done} of them done before", flush=True)
+        about = f"points, {done} of {count} done, {failed} failed"
+        progress(about, (done - first) / max(count - first, 1))
 
-        def show(done: int, failed: int, count: int) -> None:
-            nonlocal far, first
-            far = f"{done} of {count} points are done and"
-            if first is None:
-                first = done  # which count for no pace
-                if not options.json:
-                    print(f"{count} points, {done} of them done before", flush=True)
-            about = f"points, {done} of {count} done, {failed} failed"
-            progress(about, (done - first) / max(count - first, 1))
-
-        result = sweeping.carry_on(
-            points, folder, workers, scheduler, mix=options.force_mix, show=show
-        )
-        for line in sweeping.write_run_folders(points, folder):
-            cli.notice(f"no run folder, {line}", "warning")
-    return _print_result(options, result, folder.table)
+    with keeping(kept):
+        with bar(quiet=options.json) as progress:
+            result = sweeping.carry_on(
+                points, folder, workers, scheduler, mix=options.force_mix, show=show
+            )
+            for line in sweeping.write_run_folders(points, folder):
+                cli.notice(f"no run folder, {line}", "warning")
+        return _print_result(options, result, folder.table)
 
 
 def merge(options: argparse.Namespace) -> ExitCode:

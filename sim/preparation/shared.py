@@ -58,8 +58,7 @@ class Shared:
 
     def world(self, scenario: Scenario, robot: Robot) -> tuple[World, mujoco.MjModel]:
         """Robot and world, and their model, shared where the way alone differs."""
-        cache = world_cache(scenario, self)
-        return cache("world", lambda: built(robot, scenario))
+        return world_cache(scenario, self)("world", lambda: built(robot, scenario))
 
 
 def world_cache(scenario: Scenario, shared: Shared | None) -> Cache:

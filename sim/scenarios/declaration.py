@@ -237,5 +237,5 @@ def words(kind: object) -> str:
     if origin is Annotated and inner[1].file_name:
         return "a name without slashes"
     if origin is Mapping:
-        return "numbers by name, such as { kappa = 0.5 }"
+        return "numbers by name, { NAME = 0.5 }"
     return "true or false" if kinds[0] is bool else "text in quotation marks"

@@ -66,7 +66,8 @@ def load_scenario(
 
 def scenario_table(source: str) -> tuple[Values, str]:
     """A scenario as its file gives it, found from anywhere, and its place in words."""
-    path = _find(source)
+    write = f"write one: stratawalk scenarios line > {source}.toml"
+    path = find(source, FOLDER, "scenario", "SCENARIO", write)
     table = {"name": path.stem, **read_toml(path)}
     anchor(table, path.parent)
     return table, str(path) if path.parent != FOLDER else f"scenario {source!r}"
@@ -175,20 +176,23 @@ def dumps(scenario: Scenario) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _find(source: str) -> Path:
-    if source in shipped_scenarios():
-        return FOLDER / f"{source}.toml"
-    path = Path(source)
-    if path.suffix != ".toml" and len(path.parts) == 1 and not path.exists():
-        known = did_you_mean(source, shipped_scenarios())
-        remedy = f"{known}; or write one: stratawalk scenarios line > {source}.toml"
-        raise UsageError(f"unknown scenario {source!r}", "SCENARIO", remedy)
+def find(source: str, folder: Path, what: str, where: str, otherwise: str) -> Path:
+    """A file of a kind by its path, or by its name a shipped one in a folder.
+
+    A name that is unknown stood at a place, and one may do otherwise, both in words.
+    """
+    path, shipped = Path(source), sorted(file.stem for file in folder.glob("*.toml"))
+    if source in shipped:
+        return folder / f"{source}.toml"
     if path.is_dir():
-        raise UsageError("a folder is not a scenario", source, "give a TOML file in it")
+        raise UsageError(f"a folder is not a {what}", source, "give a TOML file in it")
+    if not path.is_file() and (path.suffix == ".toml" or len(path.parts) != 1):
+        own = f"{path.stem!r}, as shipped, or " * (path.stem in shipped)
+        remedy = f"give {own}a TOML file that exists"
+        raise UsageError(f"no such {what} file", source, remedy)
     if not path.is_file():
-        shipped = f"{path.stem!r}, as shipped, or " * (path.stem in shipped_scenarios())
-        remedy = f"give {shipped}a TOML file that exists"
-        raise UsageError("no such scenario file", source, remedy)
+        remedy = f"{did_you_mean(source, shipped)}; or {otherwise}"
+        raise UsageError(f"unknown {what} {source!r}", where, remedy)
     return path
 
 

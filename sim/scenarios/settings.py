@@ -258,7 +258,8 @@ class Settings:
     def __post_init__(self) -> None:
         where = f"scenario {self.name!r}"
         for key, declared in SETTINGS.items():
-            value = getattr(self, key)
+            if (value := getattr(self, key)) is declared.default:
+                continue  # and allowed; a sweep makes many scenarios
             value = accept(value, declared.kind, declared.allowed, where, key)
             object.__setattr__(self, key, value)
         once = "steer" if self.steer == "compliant" else "optimise"

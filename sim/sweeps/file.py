@@ -19,7 +19,7 @@ import numpy as np
 from planner.support import did_you_mean
 from sim.errors import UsageError
 from sim.scenarios.declaration import is_number, require_keys
-from sim.scenarios.file import anchor, read_toml, scenario_from, scenario_table
+from sim.scenarios.file import anchor, find, read_toml, scenario_from, scenario_table
 from sim.scenarios.scenario import Scenario
 from sim.scenarios.settings import SETTINGS
 
@@ -28,7 +28,7 @@ Block = tuple[tuple[str, ...], Sequence[Choice]]  # keys, and their choices
 Table = Mapping[str, object]
 RANGE = {"from", "to", "count", "scale"}
 LINEAR, LOGARITHMIC = "linear", "log"
-MOST_POINTS = 1_000_000  # of a sweep
+MOST_POINTS = 50_000  # of a sweep; checking them takes some ten seconds
 WHOLE = {name for name, item in SETTINGS.items() if item.includes(int)}
 STUDIES = Path(str(files("sim.studies")))
 TABLES = ("set", "grid", "list", "sobol", "keep")
@@ -51,7 +51,7 @@ class Sweep:
 
     def __post_init__(self) -> None:
         if len(self) > MOST_POINTS:
-            remedy = f"ask for {MOST_POINTS} at most"
+            remedy = f"ask for {MOST_POINTS} at most, in each of several"
             raise UsageError(f"{len(self)} points", f"sweep {self.name!r}", remedy)
 
     def __len__(self) -> int:
@@ -79,7 +79,7 @@ class Sweep:
 
 def read_sweep(source: str) -> Sweep:
     """Read a sweep's file, or a shipped study by its name."""
-    path = _find(source)
+    path = find(source, STUDIES, "sweep", "FILE.toml", "give a file")
     table = read_toml(path)
     scenario = _scenario(table, path)
     fixed = dict(flat(_inner(table, "set")))
@@ -101,20 +101,6 @@ def read_sweep(source: str) -> Sweep:
 def shipped_studies() -> tuple[str, ...]:
     """Names of the sweeps that come with the package."""
     return tuple(sorted(path.stem for path in STUDIES.glob("*.toml")))
-
-
-def _find(source: str) -> Path:
-    if source in shipped_studies():
-        return STUDIES / f"{source}.toml"
-    path = Path(source)
-    if path.is_file():
-        return path
-    if path.suffix or len(path.parts) > 1:
-        shipped = f"{path.stem!r}, as shipped, or " * (path.stem in shipped_studies())
-        remedy = f"give {shipped}a TOML file that exists"
-        raise UsageError("no such sweep file", source, remedy)
-    remedy = f"{did_you_mean(source, shipped_studies())}; or give a file"
-    raise UsageError(f"unknown study {source!r}", "FILE.toml", remedy)
 
 
 def _scenario(table: Table, path: Path) -> Table:
@@ -238,8 +224,7 @@ def _values(key: str, given: object, block: str) -> list[object]:
         remedy = "give [a, b, ...] or { from = a, to = b, count = n }"
         raise UsageError("neither a list nor a range", where, remedy)
     count = _whole(f"{where}: count", given.get("count"), 1, MOST_POINTS)
-    parts = np.linspace(0.0, 1.0, count)
-    return _stretch(parts, *_span(given, where), key in WHOLE)
+    return _stretch(np.linspace(0.0, 1.0, count), *_span(given, where), key in WHOLE)
 
 
 def _span(given: object, where: str) -> tuple[float, float, str]:

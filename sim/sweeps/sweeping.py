@@ -163,18 +163,19 @@ def write_run_folders(points: Points, folder: SweepFolder) -> list[str]:
     look, last = None, "summary.json"
     if points.sweep.filmed:
         look, last = "draft", "video.mp4"
-    for point in points.sweep.run_folders:
-        name = run_folder(point)
-        if point not in points.tables or (own.path / name / last).exists():
-            continue
-        shutil.rmtree(own.path / name, ignore_errors=True)
-        scenario = scenario_from(points.tables[point], {}, f"point {point}")
-        try:
-            run(scenario, own.inner(name), look=look)
-        except FilesError:
-            raise
-        except Exception as error:  # its reason stands in the table as well
-            wrong.append(f"point {point}: {one_line(error)}")
+    with sole_owner(folder.lock):
+        for point in points.sweep.run_folders:
+            name = run_folder(point)
+            if point not in points.tables or (own.path / name / last).exists():
+                continue
+            shutil.rmtree(own.path / name, ignore_errors=True)
+            scenario = scenario_from(points.tables[point], {}, f"point {point}")
+            try:
+                run(scenario, own.inner(name), look=look)
+            except FilesError:
+                raise
+            except Exception as error:  # its reason stands in the table as well
+                wrong.append(f"point {point}: {one_line(error)}")
     return wrong
 
 
@@ -195,11 +196,11 @@ def merge(sources: Sequence[Path], out: Path) -> tuple[Result, Path]:
         remedy = "walk them with `stratawalk sweep --resume`, or name the other shards"
         raise UsageError(what, ", ".join(map(str, sources)), remedy)
     folder = SweepFolder(ensure_folder(out))
-    with opened(folder.ledger) as ledger:
+    with sole_owner(folder.lock), opened(folder.ledger) as ledger:
         written = read_ledger(folder.ledger)
         ledger.add([o for code, o in known.items() if code not in written])
-    folder.write_about(about)
-    write_table(folder.table, list(points.rows(known)), asdict(about))
+        folder.write_about(about)
+        write_table(folder.table, list(points.rows(known)), asdict(about))
     return points.result(known), folder.table
 
 

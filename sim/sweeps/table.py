@@ -86,7 +86,6 @@ def _column(values: Sequence[Any]) -> pa.Array:
     if kinds in ({bool}, {int}):
         return pa.array(values)
     if kinds <= {int, float}:
-        numbers = [None if v is None else float(v) for v in values]
-        return pa.array(numbers, pa.float64())
+        return pa.array([None if v is None else float(v) for v in values], pa.float64())
     texts = [v if v is None or isinstance(v, str) else json.dumps(v) for v in values]
     return pa.array(texts, pa.string())

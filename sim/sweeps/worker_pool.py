@@ -8,6 +8,7 @@ died of. Such a point is tried once more, and then given up.
 
 from __future__ import annotations
 
+import asyncio
 import atexit
 import logging
 import os
@@ -31,6 +32,7 @@ from sim.versions import PACKAGES
 try:
     import dask
     from distributed import Client, Future, KilledWorker, LocalCluster, wait
+    from distributed.comm import connect
     from distributed.deploy.spec import close_clusters
     from distributed.scheduler import NoValidWorkerError, NoWorkerError
 except ValueError as refusal:  # of a file of settings in Dask's own folders
@@ -38,7 +40,7 @@ except ValueError as refusal:  # of a file of settings in Dask's own folders
     raise UsageError(what, "settings of Dask", remedy) from None
 
 NO_WORKER_TIMEOUT = 120.0  # [s] without any worker, before that is an error
-ANSWER = "15s"  # for the scheduler to come forward
+ANSWER = 15.0  # [s] for the scheduler to come forward
 TRIES = 2  # of a point whose worker dies
 # A search for a plan keeps the rest of its process waiting, on a busy machine for
 # minutes; that is no death. Processes that do die close their connections.
@@ -246,11 +248,13 @@ def open_pool(workers: int, scheduler: str | None) -> Iterator[WorkerPool]:
         local = _local(stack, workers) if scheduler is None else None
         at = scheduler if local is None else local
         try:
+            if scheduler is not None:
+                asyncio.run(_greet(scheduler))
             client = stack.enter_context(Client(at, timeout=ANSWER))
         except Exception as error:  # a library may raise anything of an address
-            what = f"no scheduler answers, {' '.join(str(error).split())}"
+            why = " ".join(str(error).split()) or type(error).__name__
             remedy = "start one with `dask scheduler`, and give its address"
-            raise UsageError(what, str(at), remedy) from error
+            raise SweepError(f"no scheduler answers, {why}", str(at), remedy) from error
         try:
             yield WorkerPool(client)
         except KeyboardInterrupt:
@@ -260,6 +264,12 @@ def open_pool(workers: int, scheduler: str | None) -> Iterator[WorkerPool]:
                     with suppress(ProcessLookupError):
                         os.kill(nanny.pid, signal.SIGKILL)  # nor is its point finished
             raise
+
+
+async def _greet(scheduler: str) -> None:
+    """Raise an error unless a scheduler says hello, for which Dask waits for ever."""
+    async with asyncio.timeout(1.5 * ANSWER):
+        (await connect(scheduler, timeout=ANSWER)).abort()
 
 
 def _local(stack: ExitStack, workers: int) -> LocalCluster:

@@ -76,6 +76,9 @@ def servo_settings(scenario: Scenario, card: Card) -> ServoSettings:
         resolution=scenario.resolution or 0.0,
         feed_forward=scenario.feed_forward,
     )
+    if name == "ideal" and (data := scenario.servo_data):
+        remedy = "ideal servos have none; name a make under servo, or leave it out"
+        raise UsageError(f"servo_data = {data}", f"scenario {scenario.name!r}", remedy)
     if name == "ideal":
         return asked
     data = card.servo.data if card.servo is not None and make == own else {}

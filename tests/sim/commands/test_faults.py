@@ -95,9 +95,9 @@ def test_a_full_disk_under_the_output_is_a_fault_of_files(stratawalk, words):
     with open("/dev/full", "w") as full:
         done = stratawalk(*words, "--json", stdout=full)
     assert done.returncode == (6 if words[1] == "biped" else 2)
-    assert ("space left on device: standard output" in refusal(done)) == (
-        words[1] == "biped"
-    )
+    said = "No space left on device: standard output; free some space; written files "
+    said += "are complete; start again: stratawalk plan biped --json"
+    assert (refusal(done) == said) == (words[1] == "biped")
 
 
 def test_a_full_disk_under_standard_error_leaves_the_code(stratawalk):

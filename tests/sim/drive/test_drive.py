@@ -251,6 +251,15 @@ def test_numbers_of_a_data_sheet_replace_those_of_the_make(scenario):
         prepare(scenario(robot="hexapod-classroom", servo="bus"))
 
 
+@pytest.mark.parametrize(
+    ("robot", "servo"), [("hexapod", None), ("hexapod-classroom", "ideal")]
+)
+def test_ideal_servos_have_no_data_sheet(scenario, robot, servo):
+    asked = scenario(robot=robot, servo=servo, servo_data={"volts": 3.0})
+    with pytest.raises(UsageError, match="'volts': 3.0.*ideal servos have none"):
+        prepare(asked)
+
+
 def test_pulses_come_at_the_rate_that_a_board_can_give(scenario):
     servo = prepare(scenario(robot="hexapod-classroom")).servo
     make, rate = SERVO_KINDS["mg90"], 25e6 / 4096 / 102

@@ -42,7 +42,8 @@ def test_what_a_setting_is_about_has_its_unit_if_it_has_one(name):
 def test_a_default_is_a_value_that_the_setting_may_have(name):
     declared = SETTINGS[name]
     if declared.default is not MISSING:
-        assert read(declared.default, declared.kind) == declared.default
+        found = read(declared.default, declared.kind)
+        assert (found, type(found)) == (declared.default, type(declared.default))
     assert declared.affects <= set(get_args(Effect))
 
 

@@ -5,10 +5,11 @@ import pytest
 from sim.errors import FilesError
 from sim.sweeps import sweeping
 from sim.sweeps.file import read_sweep
-from sim.sweeps.folder import Shard, SweepFolder
+from sim.sweeps.folder import Shard, SweepFolder, sole_owner
 from sim.sweeps.sweeping import points_of, write_run_folders
 from tests.sweeps import write_sweep
 
+HALF = "out/runs/point-00000/half.npz"
 VARIES = "[grid]\nfriction = [1.0]\n[keep]\npoints = [0]\nfilm = {film}\n"
 
 
@@ -23,7 +24,7 @@ def walked(tmp_path, monkeypatch):
         done = []
         sweep = read_sweep(str(write_sweep(tmp_path, VARIES.format(film=film))))
         runs = tmp_path / "out" / "runs" / "point-00000"
-        runs.mkdir(parents=True)
+        runs.mkdir(parents=True, exist_ok=True)
         for name in files:
             (runs / name).touch()
         assert (
@@ -41,6 +42,18 @@ def test_a_complete_folder_is_left_alone(walked):
 
 def test_a_walk_whose_film_is_missing_is_not_complete(walked):
     assert walked("true", "summary.json") == ["point-00000"]
+
+
+def test_one_process_at_a_time_makes_run_folders(walked, tmp_path):
+    (tmp_path / "out").mkdir()
+    busy = "is working on this sweep"
+    with (
+        sole_owner(SweepFolder(tmp_path / "out").lock),
+        pytest.raises(FilesError, match=busy),
+    ):
+        walked("false", "half.npz")
+    assert [*tmp_path.glob("out/runs/*/*")] == [tmp_path / HALF]
+    assert walked("false") == ["point-00000"]
 
 
 def test_a_full_disk_is_no_matter_of_one_point(tmp_path, monkeypatch):

@@ -71,6 +71,15 @@ def test_mistakes_are_refused_with_what_was_meant(tmp_path, varies, said):
         read_sweep(path).at(0)
 
 
+def test_more_points_than_are_checked_in_seconds_are_refused(tmp_path):
+    varies = "friction = {{ from = 0, to = 1, count = {} }}\ndraw = [1, 2]\n"
+    path = str(write_sweep(tmp_path, "[grid]\n" + varies.format(25_000)))
+    assert len(read_sweep(path)) == 50_000
+    path = str(write_sweep(tmp_path, "[grid]\n" + varies.format(25_001)))
+    with pytest.raises(UsageError, match="50002 points: .*; ask for 50000 at most"):
+        read_sweep(path)
+
+
 def test_what_may_be_left_out_is_said(tmp_path):
     path = tmp_path / "less.toml"
     path.write_text('scenario = "line"\nwithout = ["identifed"]\n')

@@ -2,12 +2,15 @@
 
 import gc
 import os
+import random
 import signal
+import socket
 import subprocess
 import sys
 import time
 import warnings
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from threading import Thread
 
 import pandas
 import psutil
@@ -181,12 +184,70 @@ def listening(address):
 def test_a_scheduler_that_does_not_answer_is_refused(
     nobody, said, tmp_path, monkeypatch, capsys
 ):
-    monkeypatch.setattr("sim.sweeps.worker_pool.ANSWER", "1s")
+    monkeypatch.setattr("sim.sweeps.worker_pool.ANSWER", 1.0)
     file = write_sweep(tmp_path, "[grid]\nfriction = [0.5]\n")
     words = ("sweep", file, "--out", tmp_path / "o", "--scheduler", nobody)
-    assert main(list(map(str, words))) == 2
-    message = capsys.readouterr().err
-    assert f"{said}: {nobody}; start one with `dask scheduler`" in message
+    assert main(list(map(str, words))) == 8
+    (line,) = told(capsys.readouterr().err)
+    assert f"{said}: {nobody}; start one with `dask scheduler`" in line
+    assert f"; 0 of 1 points are done and kept in {tmp_path / 'o'}; go on: " in line
+    assert line.endswith(f"--scheduler {nobody} --resume")
+
+
+def leave(connection):
+    pass
+
+
+def say_nothing(connection):
+    while connection.recv(10**6):
+        pass
+
+
+def say_back(connection):
+    while heard := connection.recv(10**6):
+        connection.sendall(heard)
+
+
+def babble(connection):
+    connection.sendall(random.Random(1).randbytes(10**5))
+
+
+def speak_http(connection):
+    connection.recv(10**6)
+    connection.sendall(b"HTTP/1.1 400 Bad Request\r\nContent-Length: 0\r\n\r\n")
+
+
+@pytest.fixture
+def stranger(request):
+    """Address of a server that answers each connection in some way."""
+
+    def serve():
+        with suppress(OSError):  # of the closed server, or of one that has gone
+            while True:
+                with server.accept()[0] as connection, suppress(OSError):
+                    request.param(connection)
+
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        Thread(target=serve, daemon=True).start()
+        yield "tcp://{}:{}".format(*server.getsockname())
+
+
+@pytest.mark.parametrize(
+    "stranger", [leave, say_nothing, say_back, babble, speak_http], indirect=True
+)
+def test_what_answers_but_is_no_scheduler_is_told_of_at_once(
+    stranger, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.setattr("sim.sweeps.worker_pool.ANSWER", 1.0)
+    file = write_sweep(tmp_path, "[grid]\nfriction = [0.5]\n")
+    words = ("sweep", file, "--out", tmp_path / "o", "--scheduler", stranger)
+    began = time.monotonic()
+    assert main(list(map(str, words))) == 8
+    assert time.monotonic() - began < 20  # 1.5 s are waited; the machine may be busy
+    (line,) = told(capsys.readouterr().err)
+    assert line.startswith("stratawalk: error: no scheduler answers, ")
+    assert f": {stranger}; start one with `dask scheduler`" in line
+    assert line.endswith(f"--scheduler {stranger} --resume")
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,45 @@
+"""A sweep's folder is changed by one process at a time, which says what it has kept."""
+
+from contextlib import redirect_stdout
+
+import pytest
+
+from sim.cli import main
+from sim.sweeps.folder import sole_owner
+from tests.commands import told
+from tests.sweeps import walked_here, write_sweep
+
+pytestmark = pytest.mark.physics
+
+
+@pytest.fixture(scope="module")
+def swept(tmp_path_factory):
+    """The file of a finished sweep of one point, and its folder."""
+    folder = tmp_path_factory.mktemp("swept")
+    file = write_sweep(folder, "[grid]\nfriction = [1.0]\n")
+    done = walked_here("sweep", file, "--out", folder / "out")
+    assert done.returncode == 0, done.stderr
+    return file, folder / "out"
+
+
+def test_a_full_disk_under_the_last_words_leaves_the_way_to_them(swept, capsys):
+    file, folder = swept
+    words = ["sweep", str(file), "--out", str(folder), "--resume", "--json"]
+    with open("/dev/full", "w") as full, redirect_stdout(full):
+        assert main(words) == 6
+    (line,) = told(capsys.readouterr().err)
+    assert "No space left on device: standard output; free some space; " in line
+    assert line.endswith(f"kept in {folder}; go on: stratawalk {' '.join(words)}")
+
+
+def test_nothing_is_merged_where_a_sweep_is_being_walked(swept, capsys):
+    """Whoever cuts a torn line off takes the one that is just being written."""
+    _, folder = swept
+    ledger = folder / "ledger.jsonl"
+    ledger.write_bytes(written := ledger.read_bytes() + b"half of a line")
+    with sole_owner(folder / "sweep.lock"):
+        assert main(["merge", str(folder)]) == 6
+    (line,) = told(capsys.readouterr().err)
+    assert "is working on this sweep" in line
+    assert ledger.read_bytes() == written
+    assert main(["merge", str(folder)]) == 0
