@@ -178,7 +178,7 @@ def _found(
     for channel in channels:
         if channel in taken or not left:
             continue
-        joint = ask(f"channel {channel}: which joint moved at j {channel}? ", which)
+        joint = ask(f"channel {channel}: joint moved by j {channel} (-: none)? ", which)
         if joint != NONE:
             yield joint, servo(joint, channel)
             left.remove(joint)

@@ -222,7 +222,7 @@ def words(kind: object) -> str:
         return ", or ".join(map(words, kinds))
     origin, inner = get_origin(kinds[0]), get_args(kinds[0])
     if origin is Literal:
-        return " or ".join(inner)
+        return " or ".join(filter(None, (", ".join(inner[:-1]), inner[-1])))
     if origin is tuple and inner[0] is str:
         return "a list of texts in quotation marks"
     if origin is tuple and get_origin(inner[0]) is Literal:
