@@ -21,7 +21,7 @@ from planner.systems.strata import StratifiedSystem
 SHORTEST_RECOVERY = 1e-12  # a recovery shorter than this is a rounding error
 
 
-@dataclass
+@dataclass(frozen=True)
 class _Visit:
     """A stay on one stratum: recoveries first, then strokes."""
 

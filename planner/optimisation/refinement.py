@@ -56,7 +56,7 @@ def _violating(excess: Array) -> Array:
     return np.asarray((excess > 0.0) | ~(excess > 0.0).any(axis=0))
 
 
-@dataclass
+@dataclass(frozen=True)
 class Refinement:
     """Enlarges the margins of the stages whose motion violates constraints."""
 

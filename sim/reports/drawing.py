@@ -50,7 +50,7 @@ class Key:
         return cls(label, mark.colour.hex, dashed=bool(mark.dashes))
 
 
-@dataclass
+@dataclass(frozen=True)
 class Drawing:
     """A drawing as the page shows it."""
 

@@ -88,7 +88,7 @@ def numbers(summary: object, name: str = "") -> Iterator[tuple[str, object]]:
             yield from numbers(value, f"{name}.{key}" if name else key)
 
 
-@dataclass
+@dataclass(frozen=True)
 class WorkerPool:
     """The workers that there are at the moment, and what each of them does."""
 

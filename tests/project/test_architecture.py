@@ -3,7 +3,9 @@
 Who imports whom is configured in `pyproject.toml`, under `[tool.importlinter]`.
 """
 
+import ast
 import importlib.util
+import re
 import subprocess
 import sys
 import tomllib
@@ -35,6 +37,27 @@ def test_files_are_short():
     lines = {path: len(path.read_text().splitlines()) for path in FILES}
     assert Path(__file__).resolve() in lines
     assert [str(path) for path, n in lines.items() if n > LONGEST_FILE] == []
+
+
+CHANGING = re.compile(r"^@dataclass(?!.*frozen=True).*\nclass (\w+)", re.MULTILINE)
+
+
+def assigned(tree):
+    """Names of attributes that are assigned to."""
+    names = (node for node in ast.walk(tree) if isinstance(node, ast.Attribute))
+    return {name.attr for name in names if isinstance(name.ctx, ast.Store)}
+
+
+def test_dataclasses_whose_fields_no_line_of_their_module_changes_are_frozen():
+    found = []
+    for text in (path.read_text() for path in FILES):
+        if names := CHANGING.findall(text):
+            for node in (tree := ast.parse(text)).body:
+                if isinstance(node, ast.ClassDef) and node.name in names:
+                    items = (n for n in node.body if isinstance(n, ast.AnnAssign))
+                    fields = {item.target.id for item in items}
+                    found += [node.name] * (not fields & assigned(tree))
+    assert found == []
 
 
 @pytest.mark.parametrize("name", ["planner", "models", "sim"])
