@@ -127,6 +127,20 @@ def test_shots_and_aims_are_as_many_in_all_units():
     assert found[0] == pytest.approx(found[1], rel=1e-3)
 
 
+def test_a_field_that_vanishes_is_measured_by_its_surroundings_in_any_unit():
+    fields = {"d": ["1/2 - 2*x", 0, "y"], "t": [0, 1, 0]}
+    plain = StratifiedSystem("x y z", {"0": fields}, "0")
+    found = []
+    for unit in (1, 0.001, 1000):
+        system, factors = rescaled(plain, coordinates={"x": unit})
+        units = extend(system, ("d", "t", "[d,t]")).steering.rectangles.units
+        at = factors * [[0.25, 0.0, 0.0]]
+        assert not system.compiled("d").velocity(at[0]).any()
+        found.append([*units.at(at)[0], *units.measured(np.ones((1, 3)), at)[1][0]])
+    assert found[1] == pytest.approx(found[0])
+    assert found[2] == pytest.approx(found[0])
+
+
 def test_words_without_units_are_those_of_the_paper():
     system, _ = rescaled(hexapod(**METRES), {"g1_1": 100})
     scaled = extend(system, LIFTED).steering

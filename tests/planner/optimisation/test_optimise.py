@@ -97,6 +97,12 @@ def test_long_paths_are_cut_and_still_end_in_their_goal(monkeypatch):
     assert rollout(found)[-1] == pytest.approx(goal, abs=1e-6)
 
 
+def test_the_plans_that_are_solved_again_are_the_best_and_none_of_them_twice():
+    plans = [1.3, 1.0, 1.0 + 1e-7, 1.2, 1.1, 1.1 + 1e-7, 1.4]
+    search = SimpleNamespace(_kept_plans=plans, score=float)
+    assert WindowSearch._finalists(search) == [1.0, 1.1, 1.2, 1.3]
+
+
 def test_stages_go_on_where_the_window_before_ended(monkeypatch):
     """Also where the first window begins with another stage than the cycle does."""
     for name, value in (("FIRST_WINDOW", 2.0), ("MANY", 8)):

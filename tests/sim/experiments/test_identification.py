@@ -24,6 +24,18 @@ def test_a_swing_goes_as_far_as_the_nearest_end_of_a_range(direction, reach):
     assert whole_range(SETUP, direction) == pytest.approx(reach)
 
 
+def test_a_stroke_that_turns_on_beyond_half_a_turn_is_told_without_a_jump(monkeypatch):
+    way = np.linspace(0.3, -0.3, 61)
+    yaw = np.pi + way
+    pose = np.stack([0 * way, way, np.arctan2(np.sin(yaw), np.cos(yaw))], axis=1)
+    assert np.ptp(pose[:, 2]) > 6
+    monkeypatch.setattr(identification, "swing", lambda *given: (way, pose, 0.0))
+    ways, poses = identification._stroke_back(SETUP, "a", (0.3,))
+    assert ways.tolist() == sorted(way)
+    assert np.diff(poses[:, 2]) == pytest.approx(np.diff(ways), abs=1e-12)
+    assert poses[:, 1].tolist() == ways.tolist()
+
+
 @pytest.mark.parametrize(
     ("agrees", "reach"),
     [

@@ -9,6 +9,7 @@ import pytest
 from models import load
 from sim.errors import UsageError
 from sim.evaluation.quantities import describe
+from sim.logs import feet
 from sim.logs.feet import posture
 from sim.logs.log import Log, of_function, read_log, written
 from sim.logs.playing import Motion, posed, scenario_of
@@ -75,6 +76,14 @@ def test_feet_that_are_not_level_stand_where_the_robot_comes_to_rest():
     lowest = found.feet[0, :, 2] <= found.feet[0, :, 2].min() + 1e-9
     assert lowest.sum() == 1
     assert found.standing[0].sum() >= 3
+
+
+def test_a_sole_gives_to_its_load_as_all_joints_of_its_leg_do():
+    """A load f turns each servo by J' f over its stiffness, and the sole by J J' f."""
+    J = np.random.default_rng(3).normal(size=(5, 3, 2))
+    for each in J:
+        gives = feet._together(each)
+        assert gives * gives[2] == pytest.approx(each @ each[2])
 
 
 def test_the_rigid_prediction_is_the_stroke_times_the_stride(played):
