@@ -9,12 +9,13 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from sim.cli import main
-from sim.commands.drive import Poses
+from sim.commands.drive import Link, Poses
 from sim.errors import UsageError
 
 ROBOT = Path(__file__).with_name("imperfect_robot.py")
@@ -112,6 +113,24 @@ def test_poses_are_lines_and_what_they_do_not_tell_is_not_a_number():
 def test_a_line_that_is_no_pose_is_refused_with_its_number(line):
     with pytest.raises(UsageError, match="not a pose, .*: line 2 of --poses; write"):
         read('{"time": 1}\n' + line + "\n")
+
+
+@pytest.mark.parametrize("pace", [0.5, 1.0, 4.0])
+def test_commands_come_at_their_times_divided_by_the_pace(monkeypatch, pace):
+    clock, sent = [7.0], []
+
+    def sleep(seconds):
+        clock[0] += seconds
+
+    monkeypatch.setattr("time.monotonic", lambda: clock[0])
+    monkeypatch.setattr("time.sleep", sleep)
+    commands = SimpleNamespace(
+        write=lambda _: None, flush=lambda: sent.append(clock[0])
+    )
+    link = Link(Poses(io.StringIO()), commands, pace, patience=1.0)
+    rows = [(when, np.zeros(1)) for when in (0.0, 0.02, 0.5, 3.0)]
+    link.send(SimpleNamespace(joints=("swing_1",)), rows)
+    assert np.multiply(pace, np.subtract(sent, 7.0)) == pytest.approx([0, 0.02, 0.5, 3])
 
 
 def test_a_robot_that_stops_listening_ends_the_walk_with_a_message(tmp_path, capfd):

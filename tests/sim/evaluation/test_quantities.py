@@ -29,6 +29,14 @@ def test_the_documentation_names_every_quantity_as_it_is_shown():
     assert rows == [(quantity.key, quantity.title) for quantity in QUANTITIES]
 
 
+def test_quantities_that_are_compared_have_as_many_digits():
+    digits = {}
+    for quantity in QUANTITIES:
+        kind, *_ = quantity.key.split(".")
+        alike = digits.setdefault((kind, quantity.unit), quantity.digits)
+        assert quantity.digits == alike or "." not in quantity.key, quantity.key
+
+
 SAMPLES = {"str": "-", "bool": False, "list[float]": [0.1, 0.2, 0.0]}
 SAMPLES["list[float] | None"] = SAMPLES["list[float]"]
 

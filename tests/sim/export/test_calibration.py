@@ -104,6 +104,14 @@ def test_a_hidden_board_is_found_to_half_a_count(calibrate, clock):
         assert np.abs(servo.counts(angles) - true).max() <= 0.5 * NOMINAL / divider
 
 
+def test_sketch_and_script_jog_a_servo_by_as_many_counts(calibrate):
+    assert calibrate(Board(1).owner(), ROBOT) == 0
+    script = files("sim.templates").joinpath("bus.txt").read_text()
+    for tool in (Path("calibration/jog.ino").read_text(), script):
+        assert re.findall(r"goes up .*by (\d+) counts", tool) == ["20"]
+        assert re.findall(r"\bJOG = (\d+)", tool) == ["20"]
+
+
 def test_work_that_stops_goes_on_with_what_is_kept(calibrate, capsys):
     board = Board(2)
     assert calibrate(board.owner(stop=7), ROBOT) == 2
@@ -252,3 +260,4 @@ def test_the_sheet_has_its_size_and_a_ring_of_a_degree_for_each_foot(tmp_path):
     size = np.array(millimetres, dtype=float) / 1e3
     assert size == pytest.approx(np.ptp(feet, axis=0) + edge, abs=1e-6)  # as written
     assert text.count("leg ") >= 6
+    assert (np.sort(size) < [0.297, 0.420]).all()  # A3, as docs/first-robot.md says

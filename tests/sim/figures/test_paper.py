@@ -209,6 +209,13 @@ def test_the_body_is_drawn_with_the_outer_hips_at_its_corners():
     assert front == outer[:, 0].max()
 
 
+def test_the_table_of_the_ellipse_ends_with_its_last_segment_and_leaves_even_gaps(
+    papers,
+):
+    segments = [row[0] for row in papers["ellipse"].table.rows]
+    assert segments == [5, 10, 15, 20, 25, 30, 35, 40, 45, 50, 55, 60]
+
+
 def test_every_leg_is_numbered_among_its_footprints(papers):
     written = {t.get_text() for t in papers["diagonal"].figure.axes[0].texts}
     assert {"1", "2", "3", "4", "5", "6"} <= written

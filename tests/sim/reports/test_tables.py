@@ -1,4 +1,4 @@
-"""The table of settings says what the scenario's file says."""
+"""The tables of a report say what the files of its run say."""
 
 from sim.reports.tables import ends, settings
 from sim.runs.run import read_run
