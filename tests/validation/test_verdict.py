@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 
 from models.description.robot import FOLDER
+from planner import Flow
 from sim.cli import main
+from sim.errors import SimulationError
 from sim.evaluation.assessment import evaluate, summarise
 from sim.evaluation.deviations import Scale
-from sim.planning.soundness import Collisions
+from sim.planning.soundness import Collisions, require_sound_flows
 from sim.preparation.setup import prepare
 from sim.scenarios.body_path import line
 from sim.scenarios.file import load_scenario
@@ -213,13 +215,13 @@ def test_summary_names_the_verdict_first(short_walk):
     assert list(summary)[:2] == ["verdict", "verdict_text"]
 
 
-def clumsy(folder):
+def clumsy(folder, size=0.0805):
     """The hexapod on spheres so large that neighbouring feet are almost in touch."""
     for name in ("scene.xml", "hexapod.xml", "hexapod.toml"):
         shutil.copy(FOLDER / name, folder / name)
     path = folder / "hexapod.xml"
     text = path.read_text().replace('contype="0"', 'contype="1"')
-    path.write_text(text.replace('type="sphere" size="0.008"', 'size="0.0805"'))
+    path.write_text(text.replace('type="sphere" size="0.008"', f'size="{size}"'))
     return path
 
 
@@ -230,6 +232,19 @@ def test_legs_that_would_touch_are_foreseen(tmp_path):
     assert standing == {}
     feet = {setup.model.geom(f"foot_{leg}").id for leg in (3, 5)}
     assert tuple(sorted(feet)) in found
+
+
+def test_plan_is_refused_wherever_on_its_way_legs_collide(tmp_path):
+    robot = clumsy(tmp_path, size=0.05)  # leaves room to lift legs
+    setup = prepare(load_scenario("line", {"robot": str(robot)}))
+
+    def step(angle):
+        return [Flow("1", "g1_1", angle), Flow("2", "g2_1", -angle)]
+
+    require_sound_flows(setup, [3 * step(0.05)], setup.at_rest)
+    for way in ([step(0.4), step(0.05)], [step(0.05), step(0.4)]):
+        with pytest.raises(SimulationError, match="makes legs collide"):
+            require_sound_flows(setup, way, setup.at_rest)
 
 
 def test_plan_whose_legs_collide_is_refused_before_walking(tmp_path, capsys):
