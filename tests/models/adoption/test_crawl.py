@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from models.adoption import crawl
 from models.adoption.draft import draft_card
 from models.adoption.source import source_of
 from models.contact.loads import StaticStability
@@ -68,6 +69,20 @@ HOOK = """<body pos="{1} {2} 0"><joint name="yaw{0}" axis="0 0 1"/>
   <geom type="sphere" size="0.01" contype="0" conaffinity="0"/>
   <body pos="0.05 0 0"><joint name="pitch{0}" axis="0 1 0"/>
     <geom name="toe{0}" type="sphere" size="0.01" pos="-0.05 0 -0.08"/></body></body>"""
+
+
+def test_a_posture_is_taken_only_if_legs_can_row_to_both_sides(tmp_path, monkeypatch):
+    """Walking the other way uses the same strokes in the opposite direction."""
+    tried = []
+
+    def moves(body, draft, ends, ranges):
+        tried.append(ends)
+        return True
+
+    monkeypatch.setattr(crawl, "_moves", moves)
+    adopted(FOUR, tmp_path)
+    assert len(tried) == 4  # ahead, back, and around either way
+    assert all(any((end == -other).all() for other in tried) for end in tried)
 
 
 def test_feet_below_the_joints_that_swing_them_push_nothing(tmp_path):

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -57,6 +58,15 @@ def played(log, tmp_path_factory):
     file.write_text(written(log))
     scenario = scenario_of(robot, file, {"timestep": 0.002})
     return simulate(scenario, robot=robot, without=("creep_floor",))
+
+
+@pytest.mark.parametrize(
+    ("file", "name"),
+    [("gait_2-b", "gait_2-b"), ("a gait (2)", "a-gait--2"), ("../$?", "motion")],
+)
+def test_a_played_motion_is_named_after_its_file_as_folders_can_be(file, name):
+    robot = load("hexapod")
+    assert scenario_of(robot, Path(f"{file}.csv"), {}).name == name
 
 
 def test_contacts_are_planned_from_the_lowest_feet(log):

@@ -1,5 +1,7 @@
 """No walk is quicker than the lower bound on its time."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -93,6 +95,16 @@ def test_ways_across_are_composed_of_both_groups_strokes():
     curves = [slide(0.0, PACE), slide(np.pi / 2, PACE)]
     found = bound_of(curves, (1.0, 0.5), 1e-6)
     assert exact * (1 - 1e-3) < found <= exact
+
+
+def test_a_cut_of_the_path_costs_at_least_the_lifts_of_a_visit_that_it_divides():
+    """Both parts are bounded as visits of their own, each with lifts."""
+    setup, slow = prepare(load_scenario("line")), slide(0.0, PACE)
+    slow = replace(slow, times=slow.times + 1.0)
+    points = np.linspace([0.0, 0.0, 0.0], [1.0, 0.0, 0.0], 101)
+    found = lower_bound._proven(setup, [slow], points, 0.0, 1e-6, 2)
+    exact = 1.0 / (STRIDE * 2 * SPAN) * (LIFTS + 1.0 + 2 * PACE * 2 * SPAN)
+    assert 0.9 * exact < found <= exact - (LIFTS + 1.0)
 
 
 def test_no_random_walk_is_quicker():
