@@ -41,7 +41,7 @@ def check_places(model: mujoco.MjModel, source: str) -> None:
     """Refuse a model with a part so far away that its place has no millimetres."""
     for kind, places in (("body", model.body_pos), ("geom", model.geom_pos)):
         away = np.abs(places).max(axis=1)
-        if away.max() > FARTHEST:
+        if away.max(initial=0.0) > FARTHEST:
             name = getattr(model, kind)(int(away.argmax())).name
             raise ModelError(
                 f"{kind} {name!r} is {away.max():.3g} m away from its frame: {source}; "

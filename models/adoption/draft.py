@@ -26,7 +26,7 @@ from models.adoption.card_text import (
     rowing,
 )
 from models.adoption.crawl import Crawl, find_crawl
-from models.adoption.groups import Stand, free_reach, posed, two_groups
+from models.adoption.groups import LEAST_SWING, Stand, free_reach, posed, two_groups
 from models.adoption.source import Source
 from models.checks import check_places
 from models.description.card_file import parse_card
@@ -39,6 +39,7 @@ from planner import PlannerError
 SHORT = 0.05  # of the longest leg as seen from above: shorter ones push nothing
 DEEPEST = np.arctan(2.0)  # of feet; at 3.5 in place of 2 they jam, at 1.7 they do not
 SOFT_SHARE = 0.05  # of the stiffness with which a servo sags little
+LEVELLED, NEWTON_STEPS = 1e-5, 4  # [m] between feet, and steps to less than that
 
 
 @dataclass(frozen=True)
@@ -88,9 +89,15 @@ def draft_card(source: Source) -> Draft:
     pose = Pose.at(model, root_body(model, source.given), start)
     guesses = [*source.notes]
     limbs = find_limbs(pose, name)
-    angles: dict[str, float] = {}
+    if angles := _mid_range(pose, limbs):
+        pose.turn(angles)
+        limbs = find_limbs(pose, name)
+        guesses.append(
+            f"{len(angles)} swing joints, such as {min(angles)!r}, are drawn at or "
+            "beyond an end of their ranges: they start in the middle"
+        )
     if not stands(pose, limbs):
-        angles = standing_angles(pose, limbs, name)
+        angles |= standing_angles(pose, limbs, name)
         pose.turn(angles)
         guesses.append("the file puts the feet at different heights: knees were bent")
     if _depth(pose, limbs) > DEEPEST:
@@ -100,6 +107,7 @@ def draft_card(source: Source) -> Draft:
             "so that they jam on the floor and bounce: "
             + ("lift joints were turned up" if spread else "build legs that reach out")
         )
+    angles |= _level(pose, limbs)
     limbs = _numbered(find_limbs(pose, name))
     way = _gait(pose, limbs, name)
     gait = rowing(limbs, way) if isinstance(way, Crawl) else alternating(limbs, way)
@@ -135,6 +143,18 @@ def draft_card(source: Source) -> Draft:
     return Draft(card, tuple(guesses), limbs, gait)
 
 
+def _mid_range(pose: Pose, limbs: Sequence[Limb]) -> dict[str, float]:
+    """The middle of its range, for each swing joint at or beyond an end [rad]."""
+    limited = pose.model.jnt_limited
+    joints = [m.swing for m in limbs if limited[pose.model.joint(m.swing).id]]
+    spans = {joint: (*pose.span(joint), pose.angle(joint)) for joint in joints}
+    return {
+        joint: (low + high) / 2
+        for joint, (low, high, angle) in spans.items()
+        if min(angle - low, high - angle) < LEAST_SWING
+    }
+
+
 def _depth(pose: Pose, limbs: Sequence[Limb]) -> float:
     """Angle at which the steepest leg goes down from lift joint to foot [rad]."""
     feet = [pose.bottom(pose.model.geom(limb.foot).id) for limb in limbs]
@@ -155,6 +175,24 @@ def _spread(pose: Pose, limbs: Sequence[Limb]) -> dict[str, float]:
             return angles
     pose.turn(begin)
     return {}
+
+
+def _level(pose: Pose, limbs: Sequence[Limb]) -> dict[str, float]:
+    """Angles of lift joints that put feet which `stands` accepts on one floor.
+
+    The pose is moved; legs that are stiff do not bend by what drawings are off.
+    """
+    feet = {limb.lift: pose.model.geom(limb.foot).id for limb in limbs}
+    heights = [pose.bottom(foot)[2] for foot in feet.values()]
+    if np.ptp(heights) <= LEVELLED:
+        return {}
+    for _ in range(NEWTON_STEPS):
+        for lift, foot in feet.items():
+            arm = pose.bottom(foot) - pose.data.joint(lift).xanchor
+            rise = np.cross(pose.data.joint(lift).xaxis, arm)[2]
+            off = np.mean(heights) - pose.bottom(foot)[2]
+            pose.turn({lift: pose.angle(lift) + float(off / rise)})
+    return {lift: pose.angle(lift) for lift in feet}
 
 
 def _gait(

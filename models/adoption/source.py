@@ -2,7 +2,8 @@
 
 Drawings are often passed on without their meshes. The links of such a URDF are drawn as
 rods from frame to frame: where the next joint is says how long a link is, and the last
-one of a leg ends as far beyond its centre of mass as that is from its joint.
+one of a leg ends as far beyond its centre of mass as that is from its joint. Where no
+link has a shape that collides, the shapes that are only drawn do.
 """
 
 from __future__ import annotations
@@ -95,7 +96,7 @@ def source_of(name: str, allow_external: bool = False) -> Source:
         return Source(path, path, None)
     given = read_file(path).decode(errors="replace")
     found = re.sub(PACKAGE, lambda name: _in_package(path.parent, name), given)
-    drawn, notes = with_rods(path, given, found)
+    drawn, notes = with_shapes(path, given, found)
     if drawn == given:
         inspect_model(path, (), allow_external, LIMITS)
     else:
@@ -155,21 +156,30 @@ def _from_urdf(path: Path, text: str) -> str:
 
 THICKNESS = 0.06  # radius of a rod in lengths of the longest one
 SHOWN = 2  # names of meshes in a sentence
+DRAWN = (
+    "no link has a <collision>: shapes that are drawn, <visual>, touch floor and legs, "
+    "and weigh as much as water where no <inertial> says otherwise"
+)
 
 Point = tuple[float, float, float]
 
 
-def with_rods(path: Path, given: str, text: str) -> tuple[str, tuple[str, ...]]:
-    """The URDF, links without their meshes drawn as rods, and notes that say so.
+def with_shapes(path: Path, given: str, text: str) -> tuple[str, tuple[str, ...]]:
+    """The URDF with shapes that collide, rods for missing meshes, and notes of both.
 
     The text is what was given, with the files of packages found.
     """
-    if "<mesh" not in text or "<!" in text.replace("<!--", ""):  # no entities
+    if "<!" in text.replace("<!--", ""):  # no entities
         return text, ()
     try:
         robot, written = ET.fromstring(text), ET.fromstring(given)
     except ET.ParseError:  # the compiler says it better
         return text, ()
+    notes: tuple[str, ...] = ()
+    if robot.find("link/collision") is None:
+        for visual in robot.iterfind("link/visual"):
+            visual.tag = "collision"
+            notes = (DRAWN,)
     names = [str(mesh.get("filename")) for mesh in written.iter("mesh")]
     absent = {
         id(mesh): name
@@ -177,7 +187,7 @@ def with_rods(path: Path, given: str, text: str) -> tuple[str, tuple[str, ...]]:
         if not os.path.exists(path.parent / mesh.get("filename", "").removeprefix(FILE))
     }
     if not absent:
-        return text, ()
+        return ET.tostring(robot, encoding="unicode") if notes else text, notes
     ends = _ends(robot)
     longest = max((hypot(*end) for found in ends.values() for end in found), default=0)
     for link in list(robot.iter("link")):
@@ -194,7 +204,7 @@ def with_rods(path: Path, given: str, text: str) -> tuple[str, tuple[str, ...]]:
         "legs end twice as far out as their centre of mass; put the meshes "
         "there, or correct the feet"
     )
-    return ET.tostring(robot, encoding="unicode"), (note,)
+    return ET.tostring(robot, encoding="unicode"), (*notes, note)
 
 
 def _ends(robot: ET.Element) -> dict[str, list[Point]]:

@@ -32,6 +32,11 @@ SECTIONS = ("opt", "vis", "stat")  # of a compiled model, beside its arrays
 QUATERNIONS = {int(mujoco.mjtJoint.mjJNT_FREE): 3, int(mujoco.mjtJoint.mjJNT_BALL): 0}
 """Joints with a quaternion, and where in their coordinates it begins."""
 DERIVED = re.compile("0$|^bvh_|^oct_|^geom_aabb|^geom_rbound|mass$|inertia$")
+MASSLESS = "must be larger than mjMINVAL"
+HEAVY = (
+    "this part has no mass, or no inertia: write both (<inertial>), or leave that out "
+    "and give it shapes that have mass (in URDF: <collision>)"
+)
 WORDS = {"jnt": "joint", "tex": "texture", "cam": "camera", "mat": "material"}
 
 # What the engine warns of is counted by its data, and would be written to a file here.
@@ -96,9 +101,11 @@ def check_quaternions(spec: mujoco.MjSpec, model: mujoco.MjModel, source: str) -
                 continue
             start = int(joint.qposadr[0]) + QUATERNIONS[kind]
             if not any(key.qpos[start + i] for i in range(4)):
+                body = f"body {model.body(int(joint.bodyid[0])).name!r}"
                 raise ModelError(
-                    f"keyframe {key.name!r} has a quaternion of zeros for joint "
-                    f"{joint.name!r}: {source}; write 1 0 0 0 for upright"
+                    f"keyframe {key.name!r} has a quaternion of zeros for "
+                    f"{f'joint {joint.name!r}' if joint.name else body}: {source}; "
+                    "write 1 0 0 0 for upright"
                 )
 
 
@@ -184,7 +191,9 @@ def one_line(what: str, *remedy: str) -> Iterator[None]:
     try:
         yield
     except (ValueError, RuntimeError, mujoco.FatalError) as error:
-        reason = " ".join(str(error).split())
+        reason = " ".join(str(error).split()).partition(" The static bodies of")[0]
+        if MASSLESS in reason:
+            remedy = (HEAVY,)
         raise ModelError("; ".join((what, reason, *remedy))) from error
 
 

@@ -1,5 +1,6 @@
 """Drafts of cards: legs, joints, groups, pivots and postures found in foreign files."""
 
+import re
 from functools import cache
 
 import mujoco
@@ -17,6 +18,7 @@ from models.motion.robot_equations import equations
 from scripts.adoptees import ADOPTEES, Adoptee, parallel, radial
 from tests import owners
 
+BOX = ADOPTEES[-1]
 SOME = [a for a in ADOPTEES if a.name in ("spider", "crab", "box")]
 DOG = """<mujoco>
   <worldbody><body name="trunk" pos="0 0 0.3"><freejoint/>
@@ -222,3 +224,65 @@ def test_a_drafted_servo_damps_critically(drafted):
     joints = [model.joint(name).dofadr[0] for name in robot.card.joints]
     inertia = np.median(np.diag(full)[joints]) + servo.armature
     assert servo.damping**2 == pytest.approx(4 * servo.stiffness * inertia, rel=1e-6)
+
+
+def written(adoptee, folder, old, new, count=0):
+    """The file of an adoptee with some of its text replaced."""
+    path = adoptee.write(folder)
+    text, found = re.subn(old, new, path.read_text(), count=count)
+    assert found
+    path.write_text(text)
+    return path
+
+
+def test_swing_joints_drawn_at_an_end_of_their_ranges_start_in_the_middle(tmp_path):
+    own = draft_card(source_of(str(ADOPTEES[0].write(tmp_path))))
+    # the same robot, drawn with its hips at -1.2 rad of their -1.2 to 1.2
+    path = written(ADOPTEES[0], tmp_path, r'name="yaw\d"', r'\g<0> ref="-1.2"')
+
+    def turned(quat):
+        w, _, _, z = map(float, quat[2].split())
+        half = np.arctan2(z, w) - 0.6
+        return f'{quat[1]}{np.cos(half)} 0 0 {np.sin(half)}"'
+
+    hips = r'(<body name="hip\d" pos="[^"]*"\s+quat=")([^"]*)"'
+    path.write_text(re.sub(hips, turned, path.read_text()))
+    draft = draft_card(source_of(str(path)))
+    assert "6 swing joints, such as 'yaw1', are drawn at or beyond" in draft.guesses[0]
+    start, wanted = (parse_card(d.card, "draft").start for d in (draft, own))
+    # hips of the file have nine digits, and bisections thirty steps
+    assert start == pytest.approx(wanted, abs=1e-6)
+
+
+def test_feet_that_are_drawn_unevenly_are_put_on_one_floor(tmp_path):
+    pitches = r"<origin xyz=\"0.03 0 0\"/>"  # of leg 1
+    path = written(BOX, tmp_path, pitches, '<origin xyz="0.03 0 0.002"/>', count=1)
+    source = source_of(str(path))
+    card = draft_card(source)
+    assert not any("knees were bent" in guess for guess in card.guesses)
+    source.path.write_text(source.text)
+    source.path.with_suffix(".toml").write_text(card.card)
+    heights = Kinematics(load(str(source.path))).standing.height
+    assert np.ptp(heights) < 1e-6  # of 2 mm; Newton's steps leave 1e-12
+
+
+def test_a_urdf_that_is_only_drawn_touches_with_what_is_drawn(tmp_path):
+    solid = source_of(str(BOX.write(tmp_path)))
+    shown = source_of(str(written(BOX, tmp_path, "collision>", "visual>")))
+    assert shown.text == solid.text
+    assert not solid.notes
+    assert "no link has a <collision>" in shown.notes[0]
+    assert draft_card(shown).card == draft_card(solid).card
+
+
+def test_a_urdf_without_shapes_has_no_legs(tmp_path):
+    path = written(BOX, tmp_path, r"(?s)<collision>.*?</collision>", "")
+    assert "no legs were found" in refusal(path)
+
+
+def test_a_link_without_mass_is_refused_with_what_to_write(tmp_path):
+    inertial = r"(?s)(<link name=\"hip3\">\s*)<inertial>.*?</inertial>"
+    message = refusal(written(BOX, tmp_path, inertial, r"\1"))
+    assert "'hip3'" in message
+    assert message.endswith("give it shapes that have mass (in URDF: <collision>)")
+    assert "fused" not in message

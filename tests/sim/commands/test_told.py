@@ -58,8 +58,16 @@ def test_a_speed_that_the_acceleration_caps_is_told(scenario):
 
 
 STARTS = {
-    "in the air": ("0 0 0.5 1 0 0 0", "let down onto the floor by 440.0 mm"),
-    "in the ground": ("0 0 0.03 1 0 0 0", "lifted out of the floor by 30.0 mm"),
+    "in the air": (
+        "0 0 0.5 1 0 0 0",
+        "let down onto the floor by 440.0 mm: at the angles of its start, its feet "
+        "would be above the floor where its file puts the body",
+    ),
+    "in the ground": (
+        "0 0 0.03 1 0 0 0",
+        "lifted out of the floor by 30.0 mm: at the angles of its start, its feet "
+        "would be below the floor where its file puts the body",
+    ),
 }
 
 
@@ -74,3 +82,14 @@ def test_a_quaternion_of_zeros_is_no_way_to_stand(stratawalk, robot):
     done = stratawalk("robots", robot("0 0 0.06 1 0 0 0", "0 0 0.06 0 0 0 0"))
     assert done.returncode == 3
     assert "'start' has a quaternion of zeros for joint 'root'" in refusal(done)
+
+
+def test_a_keyframe_of_zeros_names_the_body_of_a_joint_without_name(
+    stratawalk, robot, tmp_path
+):
+    path = tmp_path / robot("0 0 0.06 1 0 0 0", "0 0 0.06 0 0 0 0")
+    path.write_text(
+        path.read_text().replace('<freejoint name="root"/>', "<freejoint/>")
+    )
+    said = refusal(stratawalk("robots", str(path)))
+    assert "has a quaternion of zeros for body 'torso'" in said

@@ -61,3 +61,19 @@ def test_robot_that_lies_upside_down_stays_refused(tmp_path, capsys):
     path.write_text(path.read_text().replace("0 0 0.06", '0 0 0.06" euler="180 0 0'))
     assert cli.main(["robots", str(path)]) == 3
     assert "starts upside down" in capsys.readouterr().err
+
+
+def test_torque_that_the_file_allows_its_servos_is_their_limit(shown, tmp_path):
+    path = radial.write(tmp_path, servo="")
+    servos = "".join(
+        f'<position joint="{kind}_{leg}" kp="1000" kv="3" forcerange="-{most} {most}"/>'
+        for leg in radial.BEARINGS
+        for kind, most in (("swing", 9), ("lift", 0.2 + 0.01 * leg))
+    )
+    text = path.read_text().replace(
+        "</mujoco>", f"<actuator>{servos}</actuator></mujoco>"
+    )
+    path.write_text(text)
+    text, facts = shown(path)
+    assert facts["servos"]["torque"] == pytest.approx(0.21)  # of leg 1, the weakest
+    assert "at most 0.21 N m" in text
