@@ -1,9 +1,10 @@
 """Walks as C headers for boards that give pulses, packed so that they fit.
 
-A header holds changes, byte after byte: for how many commands a row holds, a bit for
-every channel that changes (as many bytes as eight channels take), and for each of these
-its change from -127 to 127, or 128 and the pulse itself in two bytes. Before the first
-row all pulses are 0.
+A header holds changes as a text of digits to the base of 64: for how many commands a
+row holds, a bit for every channel that changes (as many digits as six channels take),
+and for each of these its change from -31 to 31 plus 31, or 63 and the pulse itself in
+three digits, the lowest first. Before the first row all pulses are 0. A digit takes a
+byte in flash and little more in the text, where a number would take three.
 """
 
 from __future__ import annotations
@@ -11,7 +12,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from itertools import islice
-from textwrap import wrap
 
 import numpy as np
 
@@ -20,15 +20,17 @@ from sim.export.servo_commands import ServoCommands
 from sim.export.servo_table import ServoTable
 from sim.templates import render
 
-LONGEST_RUN = 255  # commands that a row holds
-ITSELF = 128  # instead of a change: the pulse follows
-WIDTH = 88  # of a line of bytes
+LONGEST_RUN = 63  # commands that a row holds
+ITSELF = 32  # instead of a change: the pulse follows
+BITS, PLACES = 6, (0, 6, 12)  # of a digit, and where three of them are in a pulse
+FIRST = ord("#")  # digit 0; all of them can be printed, two after a backslash
+LINE = ".{1,80}"  # digits in a line
 CALLS = {  # of the board's library, for pulses in counts and in microseconds
     False: "setPWM({}_channel[i], 0, row[i])",
     True: "writeMicroseconds({}_channel[i], row[i])",
 }
 SIZES = re.compile(r"^#define \w+_(RATE|FRAME_RATE|COMMANDS|JOINTS) (\S+)", re.M)
-BYTES = re.compile(r"^static const uint8_t PROGMEM \w+\[\d+\] = \{\n([^}]*)\n\};", re.M)
+DIGITS = re.compile(r"^static const char PROGMEM \w+\[\] =\n(.*?)\n;$", re.M | re.S)
 CHANNELS = re.compile(r"^static const uint8_t \w+_channel\[\d+\] = \{(.*?)\};", re.M)
 
 
@@ -59,59 +61,71 @@ def write_header(
         file=in_comment(file),
         call=CALLS[table.microseconds].format(name),
         channels=", ".join(numbers),
-        bytes="\n".join(wrap(", ".join(map(str, packed)), WIDTH)),
+        digits="\n".join(map(_literal, re.findall(LINE, packed))),
     )
     return f"{text}\n"
 
 
 def read_header(text: str, table: ServoTable) -> ServoCommands:
     """The commands of such a header for the same servos."""
-    packed, channels = BYTES.search(text), CHANNELS.search(text)
+    packed, channels = DIGITS.search(text), CHANNELS.search(text)
     sizes = dict(SIZES.findall(text))
     if packed is None or channels is None or "RATE" not in sizes:
         raise ValueError("no table of pulses in PROGMEM")
     found = [int(number) for number in channels[1].split(",")]
     if found != [servo.channel for servo in table.channels]:
         raise ValueError(f"channels {found} are not those of the servo table")
-    counts = unpack(bytes(map(int, packed[1].split(","))), int(sizes["JOINTS"]))
+    digits = "".join(line[1:-1] for line in packed[1].splitlines())
+    digits = re.sub(r"\\(.)", r"\1", digits)
+    counts = unpack(digits, int(sizes["JOINTS"]))
     return table.commands(counts, float(sizes["RATE"]))
 
 
-def pack(counts: Array) -> bytes:
-    """Rows of counts (K, J) below 65536, as bytes."""
+def _literal(digits: str) -> str:
+    """Some digits as a string in C, without trigraphs."""
+    text = re.sub(r"[?\\]", r"\\\g<0>", digits)
+    return f'"{text}"'
+
+
+def pack(counts: Array) -> str:
+    """Rows of counts (K, J) below 65536, as digits."""
     fresh = np.flatnonzero(np.diff(counts, axis=0, prepend=0).any(axis=1))
     starts = np.union1d(fresh, [0])
     held = np.diff(starts, append=len(counts))
-    row, packed = np.zeros(counts.shape[1], dtype=int), bytearray()
+    row, packed = np.zeros(counts.shape[1], dtype=int), list[int]()
     for start, count in zip(starts.tolist(), held.tolist(), strict=True):
         steps, row = counts[start] - row, counts[start]
-        packed += bytes((min(count, LONGEST_RUN), *_changes(steps, row)))
+        packed += (min(count, LONGEST_RUN), *_changes(steps, row))
         for more in range(count - LONGEST_RUN, 0, -LONGEST_RUN):
-            packed += bytes((min(more, LONGEST_RUN), *_changes(0 * steps, row)))
-    return bytes(packed)
+            packed += (min(more, LONGEST_RUN), *_changes(0 * steps, row))
+    return "".join(chr(FIRST + digit) for digit in packed)
 
 
 def _changes(steps: Array, row: Array) -> Iterator[int]:
-    yield from np.packbits(steps != 0, bitorder="little").tolist()
+    for first in range(0, len(steps), BITS):
+        some = enumerate((steps[first : first + BITS] != 0).tolist())
+        yield sum(changed << bit for bit, changed in some)
     for step, count in zip(steps.tolist(), row.tolist(), strict=True):
         if 0 < abs(step) < ITSELF:
-            yield step % 256
+            yield step + ITSELF - 1
         elif step:
-            yield from (ITSELF, count % 256, count // 256)
+            yield 2 * ITSELF - 1
+            yield from (count >> place & 2 * ITSELF - 1 for place in PLACES)
 
 
-def unpack(packed: bytes, joints: int) -> Array:
-    """The counts of such bytes, (K, J)."""
-    rows, row, stream = [], np.zeros(joints, dtype=int), iter(packed)
+def unpack(packed: str, joints: int) -> Array:
+    """The counts of such digits, (K, J)."""
+    rows, row = [], np.zeros(joints, dtype=int)
+    stream = (ord(digit) - FIRST for digit in packed)
     for held in stream:
-        mask = np.array([*islice(stream, (joints + 7) // 8)], dtype=np.uint8)
+        mask = [*islice(stream, -(-joints // BITS))]
         row = row.copy()
-        for i in np.flatnonzero(np.unpackbits(mask, bitorder="little")[:joints]):
-            step = next(stream)
+        for i in (i for i in range(joints) if mask[i // BITS] >> i % BITS & 1):
+            step = next(stream) - ITSELF + 1
             if step == ITSELF:
-                row[i] = next(stream) + 256 * next(stream)
+                row[i] = sum(next(stream) << place for place in PLACES)
             else:
-                row[i] += step - 256 * (step > ITSELF)
+                row[i] += step
         rows += [row] * held
     return np.array(rows)
 

@@ -49,31 +49,33 @@ void loop() {
 
 static const uint8_t {{ name }}_channel[{{ joints }}] = { {{- channels -}} };
 
-static const uint8_t PROGMEM {{ name }}[{{ size }}] = {
-{{ bytes }}
-};
+/* Digits to the base of 64, the first of which is '#'. */
+static const char PROGMEM {{ name }}[] =
+{{ digits }}
+;
 
 static uint32_t {{ name }}_place = 0;
 
-static inline uint8_t {{ name }}_byte(void) {
-  return pgm_read_byte(&{{ name }}[{{ name }}_place++]);
+static inline uint8_t {{ name }}_digit(void) {
+  return (uint8_t)(pgm_read_byte(&{{ name }}[{{ name }}_place++]) - '#');
 }
 
 /* Brings a row of pulses up to date; returns for how many commands it holds, or 0 at the end. */
 static inline uint8_t {{ name }}_next(uint16_t *row) {
-  uint8_t changed[({{ joints }} + 7) / 8], held, i;
+  uint8_t changed[({{ joints }} + 5) / 6], held, step, i;
   if ({{ name }}_place >= {{ NAME }}_BYTES) return 0;
-  held = {{ name }}_byte();
-  for (i = 0; i < sizeof changed; i++) changed[i] = {{ name }}_byte();
+  held = {{ name }}_digit();
+  for (i = 0; i < sizeof changed; i++) changed[i] = {{ name }}_digit();
   for (i = 0; i < {{ joints }}; i++) {
-    if (!(changed[i / 8] >> (i % 8) & 1)) continue;
-    int8_t step = (int8_t){{ name }}_byte();
-    if (step != -128) {
-      row[i] += step;
+    if (!(changed[i / 6] >> (i % 6) & 1)) continue;
+    step = {{ name }}_digit();
+    if (step < 63) {
+      row[i] = (uint16_t)(row[i] + step - 31);
       continue;
     }
-    row[i] = {{ name }}_byte();
-    row[i] |= (uint16_t){{ name }}_byte() << 8;
+    row[i] = {{ name }}_digit();
+    row[i] |= (uint16_t){{ name }}_digit() << 6;
+    row[i] |= (uint16_t){{ name }}_digit() << 12;
   }
   return held;
 }
