@@ -67,7 +67,7 @@ def test_what_converges_faster_is_offered_only_where_it_misses_less(plan):
 
 def test_flat_outputs_of_the_wrong_axle_are_told_the_right_one(plan):
     refused = plan(flat=AXLE % ("L*cos(heading)", "L*sin(heading)"))
-    assert "turn changes their slope of order 1, and may change that of" in refused
+    assert "turn changes their slope of order 1, and may change only that" in refused
     assert "take the middle of the last axle" in refused
     last = AXLE % ("d*cos(heading + hitch)", "d*sin(heading + hitch)")
     assert plan(flat=last)["error"] < 1e-9
