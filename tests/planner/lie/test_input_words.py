@@ -109,7 +109,7 @@ def test_coordinates_of_another_shape_are_refused():
 
 @pytest.mark.parametrize(("make", "shape"), [(word, (2, 3)), (spellings, (3,))])
 def test_one_segment_is_told_from_many(make, shape):
-    with pytest.raises(ValueError, match=r"\) have \d axes, not \d; give word the c"):
+    with pytest.raises(ValueError, match=r"\) have \d axes, not \d; give `word` the c"):
         make(hall_basis(2, 2), np.ones(shape))
 
 

@@ -58,7 +58,7 @@ class Board:
                 raise EOFError
             if "clock" in question:
                 return f"{self.clock / 1e6:.3f}"
-            if "which joint" in question:
+            if "joint moved" in question:
                 channel = int(re.search(r"channel (\d+)", question)[1])
                 here = np.flatnonzero(self.channel == channel)
                 joint = self.joints[here[0]] if len(here) else None
