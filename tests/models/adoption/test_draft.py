@@ -148,8 +148,9 @@ def test_legs_that_cannot_meet_are_refused_for_that(tmp_path):
     assert "cannot be turned so that they meet at pivots" in said
 
 
-def test_urdf_finds_meshes_of_its_package_and_can_be_moved(tmp_path):
-    package = tmp_path / "bot"
+@pytest.mark.parametrize("folder", ["bot", "clone_of_bot"])
+def test_urdf_finds_meshes_of_its_package_and_can_be_moved(tmp_path, folder):
+    package = tmp_path / folder
     for folder in ("urdf", "meshes"):
         (package / folder).mkdir(parents=True)
     corners = ("0 0 0", "0.01 0 0", "0 0.01 0", "0 0 0.01")
