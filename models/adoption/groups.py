@@ -87,12 +87,13 @@ def posed(
     """The pair of pivots from which the robot goes farthest sideways.
 
     Ranges say how far each leg may turn clockwise and anticlockwise from how it stands,
-    shape (legs, 2) [rad]. Turned legs keep apart as they did before.
+    shape (legs, 2) [rad]. Turned legs keep apart as before, as found and once moved.
     """
     from scipy.spatial.distance import pdist  # slow to import, and seldom needed
 
     feet = np.array([limb.toe[:2] for limb in limbs])
     hips = np.array([limb.hip for limb in limbs])
+    least = NEIGHBOUR_DISTANCE * pdist(feet).min()
     for groups in ways:
         sides = [
             _Legs(g, hips[[*g]], (feet - hips)[[*g]], ranges[[*g]], weight)
@@ -104,12 +105,11 @@ def posed(
         worth = _worth(first, second)
         for place in np.argsort(-worth, axis=None)[:MOST_PAIRS]:
             i, j = np.unravel_index(place, worth.shape)
-            one, other = sides[0].in_step(first[i]), sides[1].in_step(second[j])
-            after = feet.copy()
-            for stand in (one, other):
-                after[[*stand.legs]] = stand.feet
-            if pdist(after).min() > NEIGHBOUR_DISTANCE * pdist(feet).min():
-                return one, other
+            found = first[i], second[j]
+            moved = sides[0].in_step(found[0]), sides[1].in_step(found[1])
+            after = [np.concatenate([a.feet, b.feet]) for a, b in (found, moved)]
+            if min(pdist(places).min() for places in after) > least:
+                return moved
     raise ModelError(
         f"its legs cannot be turned so that they meet at pivots: {source}; each group "
         "can only slide: widen the ranges of the swing joints or turn them at the start"

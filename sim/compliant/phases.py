@@ -24,6 +24,7 @@ from sim.motion.poses import compose, relative
 from sim.motion.stability import carrying, stability_margin
 
 REMEMBERED = 2.0  # [s] that feet remember; 1.5 is as good, 0.3 is not
+LIFTS_REMEMBERED = 20 / 3  # lift times that they remember where these are long
 ALIKE = 1e-5  # [rad]; commands closer than this do the same
 SAME_HEADING = 0.02  # [rad], where gravity leans
 LOOKED_AT = 4  # moments of a phase at which commands are compared
@@ -78,6 +79,7 @@ class Course:
     spans: Array  # first step of every phase and the one after its last, (P, 2)
     heading: Array  # of the body as each phase begins, a guess at first, (P,) [rad]
     restarts: Mapping[int, Array]  # poses (3,) at which the body stands by phase
+    memory: float = REMEMBERED  # how long feet remember what they did [s]
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,7 +144,7 @@ class Phases:
     ) -> Iterator[tuple[int, Motions]]:
         """What every robot does in new phases, walked in pieces side by side."""
         robots, spans = len(self.robots.mass), course.spans * course.commands.timestep
-        pieces = list(_pieces(new, np.diff(spans)[:, 0], robots))
+        pieces = list(_pieces(new, np.diff(spans)[:, 0] / course.memory, robots))
         if not pieces:
             return
         whose, which = np.divmod(np.arange(robots * len(pieces)), len(pieces))
@@ -205,19 +207,19 @@ def _window(course: Course, phase: int) -> tuple[tuple[int, ...], Likeness]:
 def _remembered(course: Course, phase: int) -> int:
     """The first phase that feet remember as another one begins."""
     begins = course.spans[: phase + 1, 0]
-    steps = round(REMEMBERED / course.commands.timestep)
+    steps = round(course.memory / course.commands.timestep)
     return max(int(np.searchsorted(begins, begins[-1] - steps, side="right")) - 1, 0)
 
 
 def _pieces(new: Sequence[int], lasting: Array, robots: int) -> Iterator[list[int]]:
     """New phases that follow one another, in pieces that take the least time together.
 
-    As every piece begins as early as its first phase remembers, many pieces walk much
-    twice, and few are more work for every lane.
+    They last so many memories. As every piece begins as early as its first phase
+    remembers, many pieces walk much twice, and few are more work for every lane.
     """
     total = float(lasting[list(new)].sum())
-    best = sqrt(LANES_WORTH / robots * total / (2 * REMEMBERED))
-    longest = max(total / max(best, 1), REMEMBERED)
+    best = sqrt(LANES_WORTH / robots * total / 2)
+    longest = max(total / max(best, 1), 1.0)
     for _, run in groupby(enumerate(new), key=lambda item: item[1] - item[0]):
         phases = [phase for _, phase in run]
         ends = np.cumsum(lasting[phases])

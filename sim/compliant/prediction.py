@@ -15,7 +15,7 @@ from planner import Array
 from sim.compliant.anatomy import anatomy_of, robots_of
 from sim.compliant.increment import LOADED, Mechanics
 from sim.compliant.march import Commands, changes
-from sim.compliant.phases import Course, Phases
+from sim.compliant.phases import LIFTS_REMEMBERED, REMEMBERED, Course, Phases
 from sim.motion.poses import wrap
 from sim.motion.prediction import Prediction, Predictor
 from sim.motion.schedule import Schedule
@@ -80,7 +80,8 @@ def course_along(
     held = bool(setup.servo.resolution or 0 < rate < SMOOTH)
     edges = np.union1d(ends, changes(rows, dt)) if held else ends
     commands = Commands(rows, dt, np.append(edges, FOREVER), held)
-    return Course(commands, spans, heading, restarts)
+    memory = max(REMEMBERED, LIFTS_REMEMBERED * setup.limits.lift_time)
+    return Course(commands, spans, heading, restarts, memory)
 
 
 def course_of(
@@ -91,8 +92,7 @@ def course_of(
     heading = _headings(setup, legs) if phases.leans else np.zeros(len(spans))
     first = np.cumsum([0, *(len(leg.schedule.phases) for leg in legs[:-1])])
     poses = {int(at): leg.pose for at, leg in zip(first, legs, strict=True)}
-    ctrl = np.concatenate(list(rows))
-    return course_along(setup, phases, ctrl, spans, heading, poses)
+    return course_along(setup, phases, np.concatenate([*rows]), spans, heading, poses)
 
 
 def _headings(setup: Setup, legs: Sequence[Leg]) -> Array:

@@ -96,8 +96,7 @@ def _half_counts(setup: Setup, width: Array) -> Array:
     robot, resolution = setup.robot, setup.servo.resolution
     shift = np.zeros(len(width))
     if resolution:
-        joints = robot.card.joints
-        swings = [joints.index(joint) for joint in robot.swing_joints]
+        swings = [robot.card.joints.index(joint) for joint in robot.swing_joints]
         odd = np.round(width[swings] / resolution) % 2
         shift[swings] = odd * resolution / 2 * np.sign(robot.swing_gain)
     return shift

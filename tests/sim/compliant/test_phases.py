@@ -6,10 +6,14 @@ import numpy as np
 import pytest
 
 from models import MeasurementError
+from models.adoption.draft import draft_card
+from models.adoption.source import source_of
+from scripts.adoptees import ADOPTEES
 from sim.compliant.march import march
 from sim.compliant.phases import Course, Phases
 from tests.planned import course
 
+SCORPION = next(a for a in ADOPTEES if a.name == "scorpion")
 REPEATED = {"segments": 6, "path.goal": [0.03, 0.03, 0.0], "servo_stiffness": 50.0}
 
 
@@ -41,6 +45,20 @@ def test_a_composed_walk_is_the_one_that_is_walked_through(walk):
     R = track.turned[-1]
     assert abs(np.arctan2(R[1, 0], R[0, 0]) - found.pose[0, 2]) < 1e-4
     assert track.slip.sum() == pytest.approx(found.slip[0].sum(), rel=0.01)
+
+
+def test_feet_that_lift_slowly_are_remembered_for_longer(tmp_path):
+    """Soft legs strain each other until they lift: 0.6 s up or down, not 0.3 s."""
+    source = source_of(str(SCORPION.write(tmp_path)))
+    source.path.with_suffix(".toml").write_text(draft_card(source).card)
+    soft = {"servo_stiffness": 60.0, "servo_damping": 1.2, "segments": 1}
+    goal = {"path.goal": [0.0083, 0.0083, 0.0]}
+    _, phases, way, _ = course(robot=str(source.path), **soft, **goal)
+    one, end = np.zeros(1), way.spans[-1:, 1] * 0.001
+    track, *_ = march(phases.mechanics, phases.robots, way.commands, one, end, one)
+    found = phases.follow(way).at(end)
+    # 3e-9 m measured, and 5.5e-5 m where 2 s are remembered as at 0.3 s
+    assert np.hypot(*(track.place[-1] - found.pose[0])[:2]) < 1e-6
 
 
 def test_heading_matters_where_the_floor_leans():
