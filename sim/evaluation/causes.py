@@ -17,6 +17,7 @@ import numpy as np
 
 from models.description import actuator_of
 from planner import Array
+from sim.drive.drive import Drive
 from sim.drive.lift_counts import LiftCounts
 from sim.evaluation.deviations import Scale, error_sources
 from sim.evaluation.motions import Achieved
@@ -177,7 +178,8 @@ def _soft(evidence: Evidence) -> str:
         return ""
     stiffness = model.actuator_gainprm[drives[worst], 0]
     joint, mean = names[worst], 1e3 * bent[worst]
-    return say("soft", joint=joint, stiffness=stiffness, bent=mean)
+    kind = "led" if Drive(evidence.walk.setup).feeds_forward else "left"
+    return say("soft", kind, joint=joint, stiffness=stiffness, bent=mean)
 
 
 def _coarse(evidence: Evidence) -> str:

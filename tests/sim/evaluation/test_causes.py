@@ -119,6 +119,14 @@ def test_soft_servos_are_named(evidence):
     moments = evidence.walk.recording.moments._replace(qpos=qpos)
     found = likely_cause("drifted", with_recording(evidence, moments=moments))
     assert "the servo of joint 'lift_6', of 1000 N m/rad, is 100 mrad off" in found
+    assert found.endswith("or let commands make up for it (feed_forward)")
+    servo = replace(evidence.walk.setup.servo, feed_forward=True)
+    led = with_setup(with_recording(evidence, moments=moments), servo=servo)
+    found = likely_cause("drifted", led)
+    assert found.endswith(
+        "although these allow for its loads: take stiffer servos "
+        "(servo_stiffness, or servo)"
+    )
 
 
 def test_settings_that_predictions_ignore_are_named_with_the_next_step(evidence):
