@@ -4,8 +4,9 @@ import mujoco
 import numpy as np
 import pytest
 
-from models.contact.kinematics import find_sole
+from models.contact.kinematics import Kinematics, find_sole
 from models.errors import ModelError
+from models.library import load
 
 CONE = " ".join(
     f"{0.03 * np.cos(a):.6f} {0.03 * np.sin(a):.6f} 0"
@@ -74,3 +75,26 @@ def test_a_plane_is_no_foot():
     model, data = placed('<geom size="0.1"/>', (1, 0, 0, 0))
     with pytest.raises(ModelError, match="foot 'floor' is a plane: give it a sphere"):
         find_sole(model, data, ["floor"])
+
+
+@pytest.mark.parametrize("name", ["hexapod", "quadruped", "octopod"])
+def test_feet_and_weight_are_where_the_engine_has_them_to_rounding(name):
+    """Samples a third of a turn apart amplify no rounding of the sines fitted."""
+    robot = load(name)
+    kinematics, data = Kinematics(robot), mujoco.MjData(robot.model)
+    angles = np.random.default_rng(0).uniform(-0.5, 0.5, (2, 5, len(robot.groups)))
+    stance, joints = kinematics.stance(*angles), robot.joint_angles(*angles)
+    feet = [robot.model.geom(leg.foot[0]).id for leg in robot.leg_cards]
+    root = robot.model.body(robot.root).id
+    for row, (swing, lift) in enumerate(zip(*joints, strict=True)):
+        data.qpos[:] = kinematics.level_qpos
+        for k, leg in enumerate(robot.leg_cards):
+            data.joint(leg.swing).qpos[0] += swing[k]
+            data.joint(leg.lift).qpos[0] += lift[k]
+        mujoco.mj_kinematics(robot.model, data)
+        mujoco.mj_comPos(robot.model, data)
+        middle = data.xpos[root, :2]
+        places = data.geom_xpos[feet, :2] - middle
+        assert stance.feet[row] == pytest.approx(places, abs=1e-15)  # 1e-16 measured
+        weight = data.subtree_com[root, :2] - middle
+        assert stance.center_of_mass[row] == pytest.approx(weight, abs=1e-15)
