@@ -2,6 +2,7 @@
 
 import re
 import runpy
+from contextlib import nullcontext
 from importlib.resources import files
 from pathlib import Path
 
@@ -227,6 +228,31 @@ def test_packets_are_those_of_the_makers_manuals():
     written = bytes.fromhex("fffffd000109000374000002 0000cad9".replace("cad9", "ca89"))
     assert packets("xl-330", 1, 512).endswith(written)
     assert packets("lx-16a", 1, 512) == bytes.fromhex("555501070100020000f4")
+
+
+def test_a_joint_is_drawn_from_its_own_side_of_the_robot(tmp_path, monkeypatch):
+    """The camera alone, without a driver: its azimuth is the way that it looks."""
+    robot, seen = load(ROBOT), []
+
+    class Camera:
+        def update_scene(self, data, view):
+            way = np.radians(view.azimuth)
+            stands = -np.array([np.cos(way), np.sin(way)])
+            seen.append((stands, view.lookat.copy(), data.qpos[:3].copy()))
+
+        def render(self):
+            return np.zeros((2, 2, 3), dtype=np.uint8)
+
+    monkeypatch.setattr("mujoco.Renderer", lambda *_, **__: nullcontext(Camera()))
+    calibration._draw(robot, tmp_path)
+    kinematics = Kinematics(robot)
+    hips = [kinematics.hinge(joint)[1][:2] for joint in robot.card.joints]
+    assert len(seen) == 2 * len(hips)
+    for (stands, middle, torso), hip in zip(
+        seen, np.repeat(hips, 2, axis=0), strict=True
+    ):
+        assert (middle == torso).all()
+        assert stands @ hip > 0.7 * np.linalg.norm(hip)  # within 45 degrees
 
 
 @pytest.mark.full

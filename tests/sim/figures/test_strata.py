@@ -59,6 +59,18 @@ def test_a_gait_is_drawn_along_edges_and_closes(name):
     assert {f"$S_{{{s}}}$" for s in problem.system.strata} <= set(written)
 
 
+@pytest.mark.parametrize("name", WALKERS)
+def test_a_graph_takes_most_of_its_panel_and_stays_inside(name):
+    _, graph = graph_named(name)
+    axes = Figure().add_subplot()
+    draw_graph(axes, graph)
+    places = np.array([node.at for node in graph.nodes.values()])
+    limits = np.array([axes.get_xlim(), axes.get_ylim()])
+    share = np.ptp(places, axis=0) / np.ptp(limits, axis=1)
+    assert (share > 1 / 2).all()
+    assert (share < 1).all()
+
+
 def test_strata_one_foot_higher_are_drawn_one_row_higher():
     _, graph = graph_named("quadruped-crawl")
     for low, high in graph.edges:

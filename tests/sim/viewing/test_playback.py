@@ -138,6 +138,19 @@ def test_footprints_and_goal_are_flat(recorded, model):
         assert geom.pos[2] >= geom.size[2]
 
 
+def test_paths_pass_above_the_footprints_that_they_cross(recorded, model):
+    drawn = Marks(recorded, model).at(len(recorded.time) - 1)
+    radius = np.float32(palette.FOOTPRINT * recorded.reach)
+    prints = [g for g in drawn if g.size[0] == radius]
+    colours = [c.colour.rgba() for c in (palette.ACHIEVED, palette.NOMINAL)]
+    paths = [g for g in drawn if g.type == mujoco.mjtGeom.mjGEOM_BOX
+             and any(np.allclose(g.rgba, colour) for colour in colours)]  # fmt: skip
+    top = max(g.pos[2] + g.size[2] for g in prints)
+    assert len(prints) > 5
+    assert len(paths) > 5
+    assert min(g.pos[2] - g.size[1] for g in paths) > top
+
+
 def test_the_robot_hides_a_ghost_that_stands_where_it_does(recorded, model):
     shown = looked_through(recorded)
     torso = model.geom_bodyid == model.body("torso").id
