@@ -4,13 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
 from difflib import get_close_matches
+from pathlib import Path
 
 MANY = 40  # names, too many for a line
+SETUP = Path(__file__).parents[1] / "scripts" / "setup"  # in a checkout
 
 
 def point(configuration: Iterable[float]) -> str:
     """A configuration as it is written in messages: `(0.1, 0, -2)`."""
     return f"({', '.join(f'{value:.6g}' for value in configuration)})"
+
+
+def installing(extra: str) -> str:
+    """What installs an extra: a checkout's own command, or else pip."""
+    if SETUP.exists():
+        return f"{SETUP} installs all extras"
+    return f"pip install 'stratawalk[{extra}]'"
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:

@@ -18,7 +18,7 @@ from typing import Any
 
 import sympy as sp
 
-from planner.errors import PlannerError
+from planner.errors import PlannerError, installing
 from planner.numerics.arrays import Array
 from planner.support.stopping import tick
 
@@ -57,7 +57,7 @@ class MissingSolverError(PlannerError):
     def __init__(self) -> None:
         super().__init__(
             "optimising needs CasADi with IPOPT, which is not installed; "
-            "pip install 'stratawalk[optimise]', or leave optimise at none"
+            f"{installing('optimise')}, or leave optimise at none"
         )
 
 

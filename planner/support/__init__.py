@@ -7,6 +7,7 @@ from here.
 
 from planner.errors import (
     did_you_mean as did_you_mean,
+    installing as installing,
     point as point,
     unknown as unknown,
 )

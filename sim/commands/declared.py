@@ -12,6 +12,7 @@ from math import inf
 from pkgutil import resolve_name
 from typing import Any, Literal
 
+from planner.support import installing
 from sim.errors import ExitCode, UsageError
 from sim.scenarios.settings import SETTINGS
 
@@ -43,7 +44,7 @@ class Command:
             if not self.extra or error.name in ("planner", "models", "sim"):
                 raise
             what, where = f"package {error.name!r} is not installed", repr(self.extra)
-            remedy = f"pip install 'stratawalk[{self.extra}]'"
+            remedy = installing(self.extra)
             raise UsageError(what, f"the extra {where}", remedy) from error
 
 

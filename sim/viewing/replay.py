@@ -17,6 +17,7 @@ import numpy as np
 
 from models.description import root_body
 from planner import Array
+from planner.support import installing
 from sim import palette
 from sim.errors import UsageError
 from sim.folder import blamed_on, whole
@@ -38,7 +39,6 @@ Mesh = tuple[Array, Array]  # corners (N, 3) [m] and faces (M, 3)
 KIND = mujoco.mjtGeom
 ROUND_SIDES = 20  # of what is round
 TORSO = 0.35  # opacity, so that the paths below are seen
-INSTALL = "pip install 'stratawalk[replay]'"
 
 
 def write_replay(
@@ -57,7 +57,8 @@ def _page(walk: Run, progress: Callable[[float], None]) -> str:
     try:
         import viser
     except ImportError as error:
-        raise UsageError("no replay without viser", "replay", INSTALL) from error
+        what, remedy = "no replay without viser", installing("replay")
+        raise UsageError(what, "replay", remedy) from error
     with redirect_stdout(StringIO()):  # it tells of a server that nobody needs
         server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
         try:

@@ -134,4 +134,4 @@ def test_a_replay_is_one_file_that_asks_nothing_of_the_network(folder, tmp_path)
 def test_a_replay_without_its_extra_says_what_to_install(walked, monkeypatch, capsys):
     monkeypatch.setitem(sys.modules, "viser", None)
     assert main(["view", str(walked), "--replay"]) == 2
-    assert "pip install 'stratawalk[replay]'" in capsys.readouterr().err
+    assert "scripts/setup installs all extras" in capsys.readouterr().err
