@@ -17,6 +17,8 @@ import numpy as np
 
 from scripts.pages import parser_of, picture, tabulate
 from sim import load_scenario, simulate
+from sim.figures.style import QUASI_STATIC
+from sim.reports.tables import kinds_of
 
 PATH = {"kind": "line", "goal": [0.03, 0.03, 0.314]}
 VALUES: Mapping[str, tuple[str, Sequence[float]]] = {  # units, and what is tried
@@ -25,7 +27,7 @@ VALUES: Mapping[str, tuple[str, Sequence[float]]] = {  # units, and what is trie
     "servo_stiffness": ("[N m/rad]", (50.0, 100.0, 300.0, 1000.0, 3000.0)),
     "friction": ("", (0.3, 0.6, 0.9, 1.2)),
 }
-PREDICTION = "quasi_static"
+PREDICTION, OFF = "quasi_static", "quasi-static"
 LENGTHS = "off [mm] | yaw [mrad] | slip [mm] | predicted | end moved [mm]"
 
 
@@ -65,22 +67,24 @@ def study(setting: str) -> list[Any]:
 
 def draw(studies: Mapping[str, Sequence[Any]], path: Path) -> None:
     """One panel a setting, and one for the sources of the error at the defaults."""
+    most = 120 * max(share(walk) for walks in studies.values() for walk in walks)
     with picture(path, (7.0, 3.6), dpi=300) as figure:
-        panels = figure.subplot_mosaic("ABE\nCDE")
+        panels = figure.subplot_mosaic("ABE\nCDE", width_ratios=(1.3, 1.3, 1))
         for letter, (setting, walks) in zip("ABCD", studies.items(), strict=True):
             axes, (unit, values) = panels[letter], VALUES[setting]
             ratios = [100 * share(walk) for walk in walks]
-            axes.semilogx(values, ratios, "o-", color="C0", markersize=3)
+            axes.semilogx(values, ratios, "o-", color=QUASI_STATIC, markersize=3)
             label = f"{setting.replace('_', ' ')} {unit}".rstrip()
-            axes.set(xlabel=label, ylabel="off [% of path]")
+            axes.set(xlabel=label, ylabel=f"off {OFF}\n[% of path]", ylim=(0, most))
             axes.set_xticks(values, [f"{value:g}" for value in values])
             axes.minorticks_off()
-            axes.set_ylim(0, 1.2 * max(ratios))
-        at_defaults = studies["timestep"][2]["error_sources"][PREDICTION]
-        names = [name for name in at_defaults if not name.startswith("hold")]
-        lengths = [1e3 * np.hypot(*at_defaults[name][:2]) for name in names]
-        panels["E"].barh(names, lengths, color="C0")
-        panels["E"].set(xlabel="shift of the end [mm]", title="where it comes from")
+        parts = studies["timestep"][1]["error_sources"][PREDICTION]
+        kinds = [(name, own) for name, own in kinds_of(parts) if "still" not in name]
+        sums = [np.sum([parts[label] for label in own], axis=0) for _, own in kinds]
+        lengths = [1e3 * np.hypot(*moved[:2]) for moved in sums]
+        panels["E"].barh([name for name, _ in kinds], lengths, color=QUASI_STATIC)
+        panels["E"].invert_yaxis()
+        panels["E"].set(xlabel="shift of the end [mm]", title="sources at the defaults")
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -9,20 +9,12 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from sim.palette import style_of
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 TABLE = re.compile(r"(?:^\|.*\n)+", re.MULTILINE)
-LOOK: Any = {
-    "font.size": 8,
-    "axes.titlesize": 8,
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "grid.color": "0.9",
-    "lines.linewidth": 1.0,
-}
 
 
 def parser_of(documentation: str | None) -> argparse.ArgumentParser:
@@ -50,7 +42,7 @@ def picture(path: Path, size: tuple[float, float], **saved: Any) -> Iterator[Fig
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
-    with mpl.rc_context(LOOK):
+    with mpl.rc_context(style_of("figures")):
         figure = Figure(figsize=size, layout="constrained")
         yield figure
         figure.savefig(path, **saved)
