@@ -143,20 +143,25 @@ def draw(robot: Robot, folder: Path, *, allow_external: bool) -> None:
 
 def _draw(robot: Robot, folder: Path) -> None:
     """At mark 1 on the left and at mark 2 on the right."""
-    from PIL import Image
+    from PIL import Image, ImageDraw
+
+    from sim.pictures.legend import EDGE, MIDDLE, text
 
     model, kinematics = robot.model, Kinematics(robot)
     model.vis.global_.offwidth, model.vis.global_.offheight = WIDTH, HEIGHT
     model.geom_matid[:] = -1
     data, view = mujoco.MjData(model), mujoco.MjvCamera()
     view.distance, view.elevation = DISTANCE * kinematics.reach, ELEVATION
+    floor = model.geom_type[:, None] == mujoco.mjtGeom.mjGEOM_PLANE
+    plain = np.where(floor, palette.PAPER.rgba(), palette.OUTLINE.rgba())
     with mujoco.Renderer(model, height=HEIGHT, width=WIDTH) as renderer:
+        renderer.scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = False
         for number, joint in enumerate(robot.card.joints, 1):
             moved = _carried(model, int(model.joint(joint).bodyid[0]))
-            model.geom_rgba[:] = palette.OUTLINE.rgba()
+            model.geom_rgba[:] = plain
             model.geom_rgba[moved] = palette.group(1).rgba()
             halves = []
-            for angle in marks(robot, joint):
+            for mark, angle in enumerate(marks(robot, joint), 1):
                 data.qpos[:] = kinematics.level_qpos
                 data.joint(joint).qpos = angle
                 mujoco.mj_forward(model, data)
@@ -164,7 +169,9 @@ def _draw(robot: Robot, folder: Path) -> None:
                 view.lookat[:] = data.qpos[:3]
                 view.azimuth = np.degrees(np.arctan2(place[1], place[0])) + ASIDE
                 renderer.update_scene(data, view)
-                halves.append(renderer.render())
+                half = Image.fromarray(renderer.render())
+                text(ImageDraw.Draw(half), (EDGE, EDGE), f"mark {mark}", MIDDLE)
+                halves.append(np.asarray(half))
             Image.fromarray(np.hstack(halves)).save(folder / f"joint-{number}.png")
 
 
