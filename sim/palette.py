@@ -35,7 +35,7 @@ class Colour(NamedTuple):
     @property
     def ink(self) -> Colour:
         """Colour of words on it: white, or that of text."""
-        return WHITE if 0.3 * self.red + 0.6 * self.green < 128 else TEXT
+        return WHITE if 0.2 * self.red + 0.7 * self.green < 100 else TEXT
 
     def tint(self, strength: float) -> Colour:
         """The colour mixed with the paper's, for marks in the background."""

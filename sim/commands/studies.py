@@ -117,7 +117,7 @@ def study(options: argparse.Namespace) -> None:
             made: dict[str, object] = {"page": str(out)}
             lines = [f"{'page':8}{out}"]
         else:
-            drawn = maps.draw_maps(results, folder)
+            drawn = maps.draw_maps(results.fitted(), folder)
             made = {"maps": [str(path) for path in drawn]}
             lines = [f"{'map':8}{path}" for path in drawn]
     cli.report(options, asdict(found) | made, found, *lines)

@@ -20,7 +20,7 @@ from markupsafe import Markup
 from sim.errors import UsageError
 from sim.figures.style import STYLE, sheet_of
 from sim.folder import whole
-from sim.palette import FAINT, OUTCOMES, Colour
+from sim.palette import FAINT, OUTCOMES, Colour, Style
 from sim.reports.drawing import finish
 from sim.reports.tables import Table
 from sim.scenarios.file import toml_value
@@ -121,10 +121,10 @@ def _points(
             link = Markup('<a href="{}">report</a>').format(report)
         else:
             fixed = {**results.asked.get("set", {}), **settings}
-            words = (f"{key}={toml_value(value)}" for key, value in fixed.items())
             name = quote(str(results.asked.get("scenario", {}).get("name", "SCENARIO")))
-            sets = " ".join(f"--set {quote(word)}" for word in words)
-            link = Markup("<code>stratawalk run {} {}</code>").format(name, sets)
+            sets = (f"--set {quote(f'{k}={toml_value(v)}')}" for k, v in fixed.items())
+            words = f"stratawalk run {name}", *sets
+            link = Markup(" ").join(map(Markup("<code>{}</code>").format, words))
         cells = (toml_value(value) for value in settings.values())
         off, word = 100 * results.off[i], results.columns["verdict"][i]
         rows.append((str(number), f"{off:.3g} %", str(word), *cells, link))
@@ -158,7 +158,7 @@ def _draw_map(axes: Axes, results: Results, across: str, up: str) -> None:
         colour, share = colours[x, y], 100 * results.off[point]
         corner = x - CELL / 2, y - CELL / 2
         axes.add_patch(Rectangle(corner, CELL, CELL, color=colour.hex, linewidth=0))
-        label = f"{share:.2g}" if np.isfinite(share) else "no walk"
+        label = f"{share:#.2g}".rstrip(".") if np.isfinite(share) else "no walk"
         lost = sum(results.classes[one] == NO_WALK for one in there[x, y])
         if 0 < lost < len(there[x, y]):
             label = f"{lost} of {len(there[x, y])}:\n{label}"
@@ -245,4 +245,5 @@ def _legend(axes: Axes, results: Results) -> None:
         for (name, count), colour in classes
         if count
     ]
-    axes.legend(handles=marks, loc="center left", bbox_to_anchor=(1.0, 0.5))
+    look: Style = {"title": "points", "alignment": "left"}
+    axes.figure.legend(handles=marks, loc="outside right center", **look)

@@ -8,6 +8,7 @@ exact where the points fill a grid, else estimated with groups of neighbouring v
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -33,6 +34,7 @@ BINS = (4, 24)  # groups of neighbouring values otherwise, at least and at most
 EACH = 12  # points that a group should have
 ROUNDING_SHARE = 1e-9  # of the path; smaller shares are rounding
 PRINTED_REASONS = 5
+NUMBER = re.compile(r"-?\b\d[\d.e-]*")  # in which alone many reasons differ
 FURTHER = ("beyond", "fell", "no walk")  # classes, after those of the limits
 FELL, NO_WALK = 4, 5
 VARIANCES = "shares of the variance of the distance's logarithm, and of lost walks"
@@ -209,7 +211,7 @@ def findings(results: Results) -> Findings:
     whole = grid and known == len(results)
     how = "exact for this full grid of" if whole else "estimated from"
     words = results.columns["verdict"]
-    reasons = Counter(str(s) for s in results.columns["status"] if s != "ok")
+    whys = (NUMBER.sub("...", str(s)) for s in results.columns["status"] if s != "ok")
     return Findings(
         points=len(results),
         prediction=results.prediction,
@@ -218,7 +220,7 @@ def findings(results: Results) -> Findings:
             key: Explained(explained(values, off, whole), explained(values, lost, grid))
             for key, values in columns
         },
-        reasons=dict(reasons.most_common(PRINTED_REASONS)),
+        reasons=dict(Counter(whys).most_common(PRINTED_REASONS)),
         verdicts={"arrived": 0, **Counter(str(word) for word in words if word)},
         method=f"{VARIANCES}: {how} {known} points" if columns[1:] else ALONE,
     )

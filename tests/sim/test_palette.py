@@ -88,6 +88,26 @@ def test_meanings_of_one_picture_are_told_apart(picture, sight):
     assert too_close(picture, sight) == set()
 
 
+def luminance(colour):
+    share = np.array(colour) / 255
+    linear = np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
+    return TO_XYZ[1] @ linear
+
+
+@pytest.mark.parametrize("hue", [*palette.GROUPS, *palette.OUTCOMES])
+@pytest.mark.parametrize("strength", [0.5, 0.75, 1.0])
+def test_words_on_a_colour_are_written_in_the_ink_that_is_read_best(hue, strength):
+    """Contrast as the rules for accessible pages count it, 3 for large letters."""
+    colour = hue.tint(strength)
+    inks = {
+        ink: (max(pair) + 0.05) / (min(pair) + 0.05)
+        for ink in (palette.WHITE, palette.TEXT)
+        for pair in [(luminance(colour), luminance(ink))]
+    }
+    assert inks[colour.ink] > 0.8 * max(inks.values())
+    assert inks[colour.ink] > 3.9  # measured; white on the middle green had 2.6
+
+
 def test_no_two_meanings_share_a_colour():
     every = [*MEANINGS.values(), *OUTCOMES.values(), *palette.RUNS]
     assert len(set(every)) == len(every)

@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 
 import numpy as np
 import pyarrow as pa
@@ -14,7 +15,7 @@ from sim.cli import main
 from sim.errors import UsageError
 from sim.studies import maps
 from sim.studies.maps import _place
-from sim.studies.results import Results, read_results
+from sim.studies.results import Results, findings, read_results
 from sim.sweeps import table
 from sim.sweeps.file import read_sweep, shipped_studies
 from sim.sweeps.table import write_table
@@ -53,6 +54,17 @@ def test_points_are_sorted_by_how_well_the_prediction_holds(folder):
     assert results.classes.tolist() == [0, 1, 2, 3, 4, 5]
 
 
+def test_reasons_that_differ_in_numbers_alone_are_counted_together(folder):
+    results = read_results(folder, "quasi_static")
+    why = "no plan: phi_1 would reach {}, outside its range -0.45 to 0.45"
+    statuses = [*map(why.format, (1.45, "-1.2e-05")), "phi_2 is 3", "ok", "ok", "ok"]
+    columns = {**results.columns, "status": statuses}
+    assert findings(replace(results, columns=columns)).reasons == {
+        "no plan: phi_1 would reach ..., outside its range ... to ...": 2,
+        "phi_2 is ...": 1,
+    }
+
+
 def test_findings_and_maps_are_printed_and_drawn(folder, capsys):
     assert main(["study", str(folder), "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
@@ -80,7 +92,7 @@ def test_the_page_fits_its_classes_and_links_the_worst_and_the_best(
     assert page.count("<svg") == 3
     link = re.search('<a href="([^"]*)">report</a>', page)[1]
     assert (out.parent / link).resolve() == kept / "report.html"
-    assert "<code>stratawalk run line --set" in page
+    assert "<code>stratawalk run line</code> <code>--set " in page  # breaks between
     assert page.index("The worst walks") < page.rindex("500 %") < page.index("The best")
 
 
