@@ -50,11 +50,8 @@ def compare(options: argparse.Namespace) -> None:
             path = Path(options.out)
             shelf = RunFolder(ensure_folder(path.parent, "page's folder"))
             shelf.write_text(path.name, text)
-    tables = {
-        "settings": compared.differences,
-        "results": compared.results,
-        "drift": compared.drift,
-    }
+    tables = {"settings": compared.differences, "results": compared.results}
+    tables |= {"drift": compared.drift, "left": compared.left}
     facts = {  # a row a run, in the order given
         key: [
             {"run": name} | {row[0]: row[column] for row in table.rows}
@@ -62,9 +59,7 @@ def compare(options: argparse.Namespace) -> None:
         ]
         for key, table in tables.items()
     }
-    lines = [
-        _text(table) for key, table in tables.items() if table.rows or key != "drift"
-    ]
+    lines = [_text(t) for key, t in tables.items() if t.rows or key == "settings"]
     if options.out is not None:
         lines.append(f"{'page':13}{options.out}")
     cli.report(options, facts | {"page": options.out}, "\n\n".join(lines))
@@ -75,8 +70,11 @@ def _text(table: Table) -> str:
     if not table.rows:
         return "All settings are the same."
     rows = [table.header, *table.rows]
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return "\n".join("  ".join(map(str.ljust, row, widths)).rstrip() for row in rows)
+    first, *others = (max(map(len, column)) for column in zip(*rows, strict=True))
+    return "\n".join(
+        "  ".join([name.ljust(first), *map(str.rjust, cells, others)])
+        for name, *cells in rows
+    )
 
 
 def sensitivities(options: argparse.Namespace) -> None:

@@ -18,7 +18,7 @@ from sim.evaluation.quantities import (
     number,
 )
 from sim.progress import Progress, silent, stage
-from sim.reports.maps import overlaid
+from sim.reports.maps import best_of, overlaid
 from sim.reports.tables import MM, Table, contributions, flat, kinds_of, sentences
 from sim.runs.run import Run
 from sim.scenarios.predictions import IDEAL, PREDICTIONS
@@ -35,7 +35,8 @@ class Comparison:
     runs: Sequence[Run]
     differences: Table  # settings that are not the same in all runs
     results: Table
-    drift: Table  # what kinds of phases contribute
+    drift: Table  # what kinds of phases contribute to the way off the ideal prediction
+    left: Table  # and to that off the best prediction
     same: Table  # settings that are the same in all
 
 
@@ -50,7 +51,8 @@ def compare(runs: Sequence[Run]) -> Comparison:
         runs,
         differences=Table(("setting", *names(runs)), differing),
         results=Table(("", *names(runs)), list(_results(runs))),
-        drift=_drift(runs),
+        drift=_drift(runs, IDEAL.key),
+        left=_drift(runs),
         same=Table(("setting", "value in all runs"), same),
     )
 
@@ -94,25 +96,23 @@ def _results(runs: Sequence[Run]) -> Iterator[tuple[str, ...]]:
         yield q.title, *(q.cell(s) for s in summaries)
 
 
-def _drift(runs: Sequence[Run]) -> Table:
-    """Millimetres that each kind of phase adds to the way off the ideal prediction.
+def _drift(runs: Sequence[Run], prediction: str = "") -> Table:
+    """Millimetres that each kind of phase adds to the way off a prediction.
 
-    They count along that way, so that they add up. What the best prediction leaves
-    unexplained follows in brackets.
+    It is the best if none is given. They count along the way off the ideal one, so that
+    they add up.
     """
     columns: list[dict[str, str]] = []
     for run in runs:
-        found, column = contributions(run), {}
-        both = ideal, _ = found.get(IDEAL.key, {}), found.get(run.best, {})
+        found = contributions(run)
+        ideal, own = (found.get(k, {}) for k in (IDEAL.key, prediction or run.best))
         away = sum(ideal.values(), np.zeros(3))[:2]
         along = away / (float(np.hypot(*away)) or 1.0)
-        for name, labels in kinds_of(ideal):
-            added = (np.sum([parts[x] for x in labels], axis=0) for parts in both)
-            off, left = (number(MM * float(part[:2] @ along), 2) for part in added)
-            column[name] = f"{off} ({left})"
-        columns.append(column)
-    rows = dict.fromkeys(chain(*columns))
+        added = {label: MM * float(part[:2] @ along) for label, part in own.items()}
+        sums = ((name, sum(map(added.__getitem__, of))) for name, of in kinds_of(own))
+        columns.append({name: number(length, 2) for name, length in sums})
+    what = "the ideal prediction" if prediction else best_of(runs)
     return Table(
-        ("off ideal (unexplained by the best prediction), by phase [mm]", *names(runs)),
-        [(name, *(column.get(name, "") for column in columns)) for name in rows],
+        (f"off {what}, by phase [mm]", *names(runs)),
+        [(n, *(c.get(n, "") for c in columns)) for n in dict.fromkeys(chain(*columns))],
     )

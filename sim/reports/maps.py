@@ -88,6 +88,12 @@ def errors(run: Run) -> Iterator[Drawing]:
             yield finish(figure, f"Error {word} the path [mm]", *both)
 
 
+def best_of(runs: Iterable[Run]) -> str:
+    """The prediction by which runs are judged, in words."""
+    labels = {PREDICTIONS[run.best].label for run in runs}
+    return f"the {labels.pop() if len(labels) == 1 else 'best'} prediction"
+
+
 def overlaid(runs: Sequence[tuple[str, Run]]) -> Iterator[Drawing]:
     """Achieved paths of several runs in one drawing, and how far off they are."""
     widths, looks = np.linspace(2.0, 0.8, len(runs)), cycle(product(DASHES, RUNS))
@@ -109,7 +115,8 @@ def overlaid(runs: Sequence[tuple[str, Run]]) -> Iterator[Drawing]:
         heading = "Achieved paths of the body's centre, x and y [mm]"
         note = "" if runs[0][1].scenario.motion else NOTE
         yield finish(figure, heading, [*known.values(), *names], note)
-    for what, key in (("the best prediction", ""), ("the measured body", "measured")):
+    best = best_of([run for _, run in runs])
+    for what, key in ((best, ""), ("the measured body", "measured")):
         if not all((key or run.best) in run.compared for _, run in runs):
             continue
         with sheet(HEIGHTS[1] / 1.6, MAP_WIDTH) as (figure, axes):

@@ -60,16 +60,29 @@ def test_json_holds_a_row_a_run(runs, capsys):
 def test_it_says_what_each_kind_of_phase_adds_to_the_drift(runs, capsys):
     """All phases together come to the way off the ideal prediction."""
     assert main(["compare", *map(str, runs), "--json"]) == 0
-    drift = json.loads(capsys.readouterr().out)["drift"][0]
-    cells = {name: cell.replace("−", "-").split() for name, cell in drift.items()}
-    off = {name: float(cell[0]) for name, cell in cells.items() if name != "run"}
-    error = read_run(runs[0]).summary.error["ideal"].position
+    found = json.loads(capsys.readouterr().out)
+    off, left = (
+        {n: float(c.replace("−", "-")) for n, c in found[key][0].items() if n != "run"}
+        for key in ("drift", "left")
+    )
+    summary = read_run(runs[0]).summary
     whole, swings = off["all together"], off["all swings"]
-    assert whole == pytest.approx(1e3 * error, abs=0.006)
+    assert whole == pytest.approx(1e3 * summary.error["ideal"].position, abs=0.006)
     rest = off["all lift-offs and touchdowns"] + off["standing still on S12"]
     assert swings + rest == pytest.approx(whole, abs=0.02)
     assert off["swing on S1"] + off["swing on S2"] == pytest.approx(swings, abs=0.02)
-    assert abs(float(cells["all together"][1].strip("()"))) <= whole
+    best = 1e3 * summary.error[read_run(runs[0]).best].position
+    assert abs(left["all together"]) <= best + 0.005  # that rounding may add
+    assert left["all together"] != whole
+
+
+def test_tables_have_their_numbers_one_below_the_other(runs, capsys):
+    assert main(["compare", *map(str, runs)]) == 0
+    blocks = capsys.readouterr().out.rstrip().split("\n\n")
+    assert len(blocks) == 4
+    assert blocks[2].startswith("off the ideal prediction, by phase [mm]")
+    for block in blocks:
+        assert len({len(line) for line in block.splitlines()}) == 1
 
 
 def test_a_run_sends_nothing_to_the_terminal_that_it_would_obey(
