@@ -192,13 +192,14 @@ def _contacts(run: Run) -> Drawing:
                 (f"feet of group {g}", palette.group(i).hex)
                 for i, g in enumerate(run.groups)
             ),
-            *((f"stratum {name}", colour) for name, colour in of_stratum.items()),
+            *((f"stratum {name}", c) for name, c in of_stratum.items() if c in STRATA),
             ("not as planned", LIMIT),
         ]
         keys = [Key(label, colour, filled=True) for label, colour in shown]
         note = (
             "A bar is a foot on the ground. A stratum is named after the groups that "
-            "stand. Thin red bars are contacts that differ from the plan."
+            "stand, and a group that stands alone gives it its colour. Thin dark red "
+            "bars are contacts that differ from the plan."
         )
         return finish(figure, "Contacts of the feet, and strata", keys, note)
 

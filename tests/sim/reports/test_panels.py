@@ -45,6 +45,14 @@ def test_errors_along_and_across_are_those_in_x_and_y_turned_with_the_path(walke
 
 
 @pytest.mark.physics
+def test_a_stratum_of_one_group_has_no_second_entry_for_that_groups_colour(walked):
+    *_, contacts = panels.panels(read_run(walked))
+    keys = {key.label: key.colour for key in contacts.keys}
+    assert len(set(keys.values())) == len(keys)
+    assert "stratum 12" in keys
+
+
+@pytest.mark.physics
 def test_long_walks_have_bands_until_the_page_is_zoomed(walked, monkeypatch):
     run = read_run(walked)
     starts = stretches(run)

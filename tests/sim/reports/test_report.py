@@ -100,6 +100,18 @@ class Links(HTMLParser):
         self.found |= {value for name, value in attributes if name in links}
 
 
+def test_errors_by_phase_stand_below_the_name_of_their_prediction(report):
+    """One name over x, y and yaw of each; a line begins them in every row."""
+    page = report.read_text()
+    table = page[page.index("<h2>The error by phase") : page.index("<h2>Counts")]
+    names = re.findall(r'<th class="begins" colspan="3">([^<]*)<', table)
+    assert names[:2] == ["ideal", "quasi-static"]
+    first, second, *rows = re.findall(r"<tr>.*?</tr>", table, re.DOTALL)
+    assert first.count("<th") == 4 + len(names)
+    assert second.count("<th") == 4 + 3 * len(names)
+    assert {row.count("class=begins") for row in rows} == {len(names)}
+
+
 def test_the_page_asks_nothing_of_the_network(report):
     page = report.read_text()
     asked = {link for link in Links(page).found if not link.startswith("#")}
