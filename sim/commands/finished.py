@@ -55,9 +55,12 @@ def film(options: argparse.Namespace) -> None:
 
     from sim.pictures.run_film import film_folder
 
+    folder = cli.run_of(options)
+    if folder != Path(options.run):  # none was named
+        cli.notice("the film of a whole walk takes minutes; --to 5 films its first 5 s")
     with bar(quiet=options.json) as progress:
         filmed = film_folder(
-            cli.run_of(options),
+            folder,
             look=options.look,
             camera=options.camera,
             stretch=(options.start, options.stop),

@@ -48,7 +48,7 @@ LAMP = 11  # radius of a foot's lamp [pixels]
 COLUMN = 180  # width of a number in the bar [pixels]
 SCALE = 50  # height of the scale bar's panel [pixels]
 TICK = 5  # half the height of the scale bar's ends [pixels]
-VEIL = (0.3, 0.8), (0.95, 0.5)  # share of the width, share of paper over a picture
+VEIL = (0.6, 0.92), (0.92, 0.45)  # share of the width, share of paper over a picture
 HEADLINE, STEP, MARGIN = 48, 38, 150  # of cards: type, lines, left edge [pixels]
 RESULTS = (
     "path_length",
@@ -161,8 +161,8 @@ def _bar(walk: Run, playback: float) -> Panel:
     return Panel(EDGE, HEIGHT - EDGE - height, still, write)
 
 
-def _millimetres(metres: float, digits: int = 1) -> str:
-    return f"{1000 * metres:.{digits}f} mm" if np.isfinite(metres) else "none"
+def _millimetres(metres: float) -> str:
+    return f"{1000 * metres:.1f} mm" if np.isfinite(metres) else "none"
 
 
 def _lamp(draw: Draw, foot: int, leg: str, colour: Colour, touches: bool) -> None:
@@ -239,7 +239,7 @@ class Trail:
         x, y = self.place(self.error[row])
         draw.line([*past, (x, y)], self.colour.tint(0.6), 1)
         draw.ellipse((x - DOT, y - DOT, x + DOT, y + DOT), self.colour)
-        size = _millimetres(float(np.hypot(*self.error[row])), digits=2)
+        size = f"{1000 * np.hypot(*self.error[row]):.2f}"
         text(draw, (self.left + BOX, TOP + BOX + 4), size, anchor="ra")
 
     def draw_scale(self, draw: Draw) -> None:
@@ -251,15 +251,15 @@ class Trail:
         draw.ellipse(around, None, palette.FAINT, 1)
         draw.line((x - CROSS, y, x + CROSS, y), palette.FAINT, 1)
         draw.line((x, y - CROSS, x, y + CROSS), palette.FAINT, 1)
-        words = f"ring {1000 * ring:g}"
-        text(draw, (left, TOP + BOX + 4), words, colour=palette.FAINT)
+        place = left, TOP + BOX + 4
+        text(draw, place, f"ring {1000 * ring:g}", colour=palette.FAINT)
 
 
 def inset(walk: Run, view: Camera, top: int) -> Panel:
     """The panel of errors, whose upper edge is at `top` [pixels]."""
     floor = 1 / (view.pixel * view.distance)  # pixels to a metre, about
     still, draw = empty(2 * PAD + PLOTS * BOX + APART, TOP + BOX + 28)
-    text(draw, (PAD, 8), "error of the body's position", colour=palette.FAINT)
+    text(draw, (PAD, 8), "error of the body's position [mm]", colour=palette.FAINT)
     angle = np.radians(view.azimuth.mean())
     right, away = (np.sin(angle), -np.cos(angle)), (np.cos(angle), np.sin(angle))
     trails = []

@@ -74,9 +74,8 @@ def body_corners(model: mujoco.MjModel, root: int) -> Array:
     """Corners of boxes around what is seen of a body, in its frame, shape (n, 3)."""
     sides = np.stack(np.meshgrid(*[(-1, 1)] * 3), axis=-1).reshape(-1, 3)
     corners, turn = [], np.zeros(9)
-    for geom in np.flatnonzero(
-        (model.geom_bodyid == root) & (model.geom_rgba[:, 3] > 0)
-    ):
+    seen = (model.geom_bodyid == root) & (model.geom_rgba[:, 3] > 0)
+    for geom in np.flatnonzero(seen):
         middle, half = np.split(model.geom_aabb[geom], 2)
         mujoco.mju_quat2Mat(turn, model.geom_quat[geom])
         box = (middle + half * sides) @ turn.reshape(3, 3).T

@@ -126,15 +126,10 @@ def _contours_of(model: mujoco.MjModel, geom: int) -> Iterator[Array]:
     field = model.geom_dataid[geom]
     rows, columns = int(model.hfield_nrow[field]), int(model.hfield_ncol[field])
     heights = model.hfield_data[int(model.hfield_adr[field]) :][: rows * columns]
-    (low_x, low_y), (high_x, high_y) = (
-        model.geom_pos[geom, :2] + sign * model.hfield_size[field, :2]
-        for sign in (-1, 1)
-    )
-    across = contour_generator(
-        np.linspace(low_x, high_x, columns),
-        np.linspace(low_y, high_y, rows),
-        heights.reshape(rows, columns),
-    )
+    middle, half = model.geom_pos[geom, :2], model.hfield_size[field, :2]
+    (low_x, low_y), (high_x, high_y) = middle - half, middle + half
+    x, y = np.linspace(low_x, high_x, columns), np.linspace(low_y, high_y, rows)
+    across = contour_generator(x, y, heights.reshape(rows, columns))
     for level in np.arange(1, LEVELS) / LEVELS:
         yield from map(np.asarray, across.lines(level))
 
