@@ -66,7 +66,8 @@ def paper(axes: Mapping[str, Axes]) -> Shown:
         axes[below].plot(0.5 + count * SHARE, standing, "--", **course)
         spread = style.extremes(least, walked.segment)
         style.band(axes[below], *spread, colour=IDEAL, alpha=0.5, label="walk")
-        _finish_clearance(axes[below], count)
+        axes[below].axhline(0, color=WALL, linewidth=0.8)
+        axes[below].set_xlim(0.5, count + 0.5)
         where, shortest = walked.share[least.argmin()], np.diff(cuts).min()
         bounds = slack.walking.min() + LEAST, slack.standing.min() + LEAST
         measured = least.min(), where, *bounds, shortest, walked.error
@@ -147,12 +148,6 @@ def _fill(axes: Axes, area: shapely.Geometry, scale: float, **look: object) -> N
         axes.add_patch(PathPatch(Outline.make_compound_path(*paths), **look))
 
 
-def _finish_clearance(axes: Axes, count: int) -> None:
-    """The surface of the walls, and the segments."""
-    axes.axhline(0, color=WALL, linewidth=0.8)
-    axes.set_xlim(0.5, count + 0.5)
-
-
 def _draw_clearance(axes: Axes, walked: Walked) -> None:
     """Physics as a band, and the rims of the prediction's."""
     achieved, predicted = (
@@ -165,7 +160,8 @@ def _draw_clearance(axes: Axes, walked: Walked) -> None:
     for rim in predicted:
         axes.step(segment, rim, where="mid", **PATHS["quasi_static"])
     axes.lines[-1].set_label("_")
-    _finish_clearance(axes, walked.segments)
+    axes.axhline(0, color=WALL, linewidth=0.8)
+    axes.set_xlim(0.5, walked.segments + 0.5)
 
 
 @dataclass(frozen=True)

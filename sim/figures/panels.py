@@ -122,7 +122,7 @@ def _draw_loop(
     right, top = low + first, low + second
     corners = [(low, low), (right, low), (right, top), (low, top), (low, low)]
     for number, (begin, end) in enumerate(pairwise(corners)):
-        colour = TRIPODS["1" if number % 2 == 0 else "2"]
+        colour = TRIPODS["12"[number % 2]]
         axes.plot(*np.transpose([begin, end]), color=colour, linewidth=width)
         if width > 1:
             middle = np.mean([begin, end], axis=0)
@@ -135,8 +135,7 @@ def _draw_loop(
 def _draw_way(axes: Axes, states: Array) -> None:
     for number in range(4):
         part = states[number * STROKE_STATES : (number + 1) * STROKE_STATES + 1, :2]
-        colour = TRIPODS["1" if number % 2 == 0 else "2"]
-        axes.plot(*part.T, color=colour, linewidth=1.4)
+        axes.plot(*part.T, color=TRIPODS["12"[number % 2]], linewidth=1.4)
     axes.plot(*states[0, :2], "o", color=INK, markersize=3, label="start")
     axes.plot(*states[-1, :2], "s", color=INK, markersize=4, label="end")
 

@@ -103,10 +103,7 @@ def begun(jobs: Mapping[str, Job]) -> Iterator[tuple[Walks, Callable[[], float]]
         try:
             later_first = [*enumerate(jobs)][::-1]  # later figures walk farther
             with deaf():
-                walks = {
-                    name: pool.submit(_perform, jobs[name], number)
-                    for number, name in later_first
-                }
+                walks = {n: pool.submit(_perform, jobs[n], i) for i, n in later_first}
             yield walks, lambda: float(costs @ walked[: len(costs)])
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)

@@ -175,9 +175,7 @@ def draw(
         name: getattr(_module(name), "WALKS", {}) for name in names
     }
     jobs = {walk: job for walks in needed.values() for walk, job in walks.items()}
-    costs = {
-        (name, kind): layouts()[name][kind].cost for name in names for kind in KINDS
-    }
+    costs = {(name, k): layouts()[name][k].cost for name in names for k in KINDS}
     walking, drawing = sum(job.cost for job in jobs.values()), sum(costs.values())
     whole = time_left(walking, drawing)
     done: dict[tuple[str, str], Sheet] = {}

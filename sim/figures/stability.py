@@ -97,20 +97,22 @@ def draw_body(axes: Axes) -> float:
 def _draw_stance(axes: Axes) -> None:
     """The body from above, tripod 1 at one angle, the other at rest and in the air."""
     front = draw_body(axes)
-    for tripod, phi, alpha in ((1, DRAWN_ANGLE, 1.0), (2, 0.0, 0.35)):
+    for tripod, phi, alpha, words in (
+        (1, DRAWN_ANGLE, 1.0, "on the ground"),
+        (2, 0.0, 0.35, "in the air"),
+    ):
         hips, feet = STANCE.hips(tripod), STANCE.feet(tripod, phi)
         look: Style = {"color": TRIPODS[str(tripod)], "alpha": alpha}
         axes.plot(*np.stack([hips, feet]).transpose(2, 0, 1), **look)
         axes.plot(*feet.T, "o", markersize=3.5, **look)
+        label = f"tripod {tripod}, {words}"
+        axes.plot([], [], "o-", markersize=3.5, label=label, **look)
     triangle = STANCE.feet(1, DRAWN_ANGLE)
     axes.fill(*triangle.T, color=TRIPODS["1"], alpha=0.15, linewidth=0)
     axes.plot(0, 0, "P", color=INK, markersize=5, label="centre of mass")
     low, high = STANCE.bounds(DRAWN_ANGLE)
     ticks: Style = {"color": IDEAL, "markersize": 9, "label": "bounds for $b$"}
     axes.plot(front - np.array([low, high]), [0, 0], "|", **ticks)
-    for name, words, alpha in (("1", "on the ground", 1.0), ("2", "in the air", 0.35)):
-        dot: Style = {"color": TRIPODS[name], "alpha": alpha, "markersize": 3.5}
-        axes.plot([], [], "o-", label=f"tripod {name}, {words}", **dot)
     arrow = {"arrowstyle": "<->", "lw": 0.6}
     axes.annotate("", (0, -0.72), (front, -0.72), arrowprops=arrow)
     axes.text(front / 2, -0.78, "$b$", ha="center", va="top")
