@@ -17,8 +17,6 @@ import numpy as np
 
 from scripts.pages import parser_of, picture, tabulate
 from sim import load_scenario, simulate
-from sim.figures.style import QUASI_STATIC
-from sim.reports.tables import kinds_of
 
 PATH = {"kind": "line", "goal": [0.03, 0.03, 0.314]}
 VALUES: Mapping[str, tuple[str, Sequence[float]]] = {  # units, and what is tried
@@ -28,6 +26,9 @@ VALUES: Mapping[str, tuple[str, Sequence[float]]] = {  # units, and what is trie
     "friction": ("", (0.3, 0.6, 0.9, 1.2)),
 }
 PREDICTION, OFF = "quasi_static", "quasi-static"
+COLOUR = "#8022be"  # that this prediction has in all pictures
+KINDS = {"lift": "lift-off to", "swing": "swing on", "land": "touchdown from"}
+SUMS = {"both swings": ("swing",), "lift-offs, touchdowns": ("lift", "land")}
 LENGTHS = "off [mm] | yaw [mrad] | slip [mm] | predicted | end moved [mm]"
 
 
@@ -73,16 +74,18 @@ def draw(studies: Mapping[str, Sequence[Any]], path: Path) -> None:
         for letter, (setting, walks) in zip("ABCD", studies.items(), strict=True):
             axes, (unit, values) = panels[letter], VALUES[setting]
             ratios = [100 * share(walk) for walk in walks]
-            axes.semilogx(values, ratios, "o-", color=QUASI_STATIC, markersize=3)
+            axes.semilogx(values, ratios, "o-", color=COLOUR, markersize=3)
             label = f"{setting.replace('_', ' ')} {unit}".rstrip()
             axes.set(xlabel=label, ylabel=f"off {OFF}\n[% of path]", ylim=(0, most))
             axes.set_xticks(values, [f"{value:g}" for value in values])
             axes.minorticks_off()
-        parts = studies["timestep"][1]["error_sources"][PREDICTION]
-        kinds = [(name, own) for name, own in kinds_of(parts) if "still" not in name]
-        sums = [np.sum([parts[label] for label in own], axis=0) for _, own in kinds]
-        lengths = [1e3 * np.hypot(*moved[:2]) for moved in sums]
-        panels["E"].barh([name for name, _ in kinds], lengths, color=QUASI_STATIC)
+        found = studies["timestep"][1]["error_sources"][PREDICTION]
+        parts = [(*name.split(), np.array(moved[:2])) for name, moved in found.items()]
+        moves = {f"{KINDS[k]} {on}": moved for k, on, moved in parts if k in KINDS}
+        for name, kinds in SUMS.items():
+            moves[name] = sum(moved for k, _, moved in parts if k in kinds)
+        lengths = [1e3 * np.hypot(*moved) for moved in moves.values()]
+        panels["E"].barh([*moves], lengths, color=COLOUR)
         panels["E"].invert_yaxis()
         panels["E"].set(xlabel="shift of the end [mm]", title="sources at the defaults")
 

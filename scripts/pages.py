@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import argparse
 import re
+import tomllib
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-
-from sim.palette import style_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+LOOKS = tomllib.loads((files("sim") / "styles.toml").read_text("utf-8"))  # of figures
 TABLE = re.compile(r"(?:^\|.*\n)+", re.MULTILINE)
 
 
@@ -42,7 +43,7 @@ def picture(path: Path, size: tuple[float, float], **saved: Any) -> Iterator[Fig
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
-    with mpl.rc_context(style_of("figures")):
+    with mpl.rc_context({"grid.color": "0.86", **LOOKS["base"], **LOOKS["figures"]}):
         figure = Figure(figsize=size, layout="constrained")
         yield figure
         figure.savefig(path, **saved)

@@ -18,7 +18,6 @@ import numpy as np
 
 from scripts.pages import parser_of, picture
 from sim import Judge, ScenarioProblem, least_time, load_scenario, prepare
-from sim.palette import LIMIT, RUNS
 
 SEGMENTS: Mapping[str, Sequence[int]] = {
     "line": (20, 30, 40, 60, 80),
@@ -26,6 +25,7 @@ SEGMENTS: Mapping[str, Sequence[int]] = {
     "diagonal": (15, 22, 30, 45, 60),
 }
 STYLES = {"printed": "o-", "shortest": "s--", "optimised": "D-"}
+COLOURS = "#0919d6", "#ca962f", "#73118d"  # as of several runs in one drawing
 WIDER = (1.0, 2.0)  # tolerances of optimised plans, in deviations of the printed plan
 HEADER = f"{'scenario':10}{'plan':22}{'time [s]':>9}{'deviation [mm]':>16}{'[rad]':>8}"
 
@@ -74,18 +74,18 @@ def draw(studies: Mapping[str, Sequence[Point]], path: Path) -> None:
     with picture(path, (7.0, 2.6), dpi=160) as figure:
         panels = figure.subplots(1, len(studies), squeeze=False)[0]
         for axes, (name, points) in zip(panels, studies.items(), strict=True):
-            for (way, style), colour in zip(STYLES.items(), RUNS, strict=False):
+            for (way, style), colour in zip(STYLES.items(), COLOURS, strict=True):
                 on = sorted(
                     (1e3 * p.position, p.seconds) for p in points if p.way == way
                 )
                 x, y = zip(*on, strict=True)
                 what = "optimised plan" if way == "optimised" else f"{way} words"
-                axes.plot(x, y, style, color=colour.hex, label=what, markersize=3)
+                axes.plot(x, y, style, color=colour, label=what, markersize=3)
             setup = prepare(load_scenario(name))
             off = np.linspace(0.0, max(p.position for p in points), 5)[1:]
             turned = max(p.yaw for p in points)
             least = [least_time(setup, far, turned) for far in off.tolist()]
-            axes.plot(1e3 * off, least, ":", color=LIMIT.hex, label="lower bound")
+            axes.plot(1e3 * off, least, ":", color="#940b31", label="lower bound")
             axes.set(title=name, xlabel="farthest from the path [mm]")
             axes.set(xlim=(0, None), ylim=(0, None))
         panels[0].set_ylabel("time of the walk [s]")

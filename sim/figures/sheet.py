@@ -171,9 +171,7 @@ def draw(
     Those in metres follow as their walks are done, and in the end their common page.
     """
     names = (only,) if only else NAMES
-    needed: dict[str, Mapping[str, Job]] = {
-        name: getattr(_module(name), "WALKS", {}) for name in names
-    }
+    needed = {name: getattr(_module(name), "WALKS", {}) for name in names}
     jobs = {walk: job for walks in needed.values() for walk, job in walks.items()}
     costs = {(name, k): layouts()[name][k].cost for name in names for k in KINDS}
     walking, drawing = sum(job.cost for job in jobs.values()), sum(costs.values())

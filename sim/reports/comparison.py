@@ -97,10 +97,9 @@ def _results(runs: Sequence[Run]) -> Iterator[tuple[str, ...]]:
 
 
 def _drift(runs: Sequence[Run], prediction: str = "") -> Table:
-    """Millimetres that each kind of phase adds to the way off a prediction.
+    """Millimetres that kinds of phases add to the way off a prediction, or the best.
 
-    It is the best if none is given. They count along the way off the ideal one, so that
-    they add up.
+    They count along the way off the ideal one, so that they add up.
     """
     columns: list[dict[str, str]] = []
     for run in runs:

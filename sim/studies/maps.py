@@ -20,7 +20,7 @@ from markupsafe import Markup
 from sim.errors import UsageError
 from sim.figures.style import STYLE, sheet_of
 from sim.folder import whole
-from sim.palette import FAINT, OUTCOMES, Colour, Style
+from sim.palette import FAINT, OUTCOMES, Colour
 from sim.reports.drawing import finish
 from sim.reports.tables import Table
 from sim.scenarios.file import toml_value
@@ -245,5 +245,4 @@ def _legend(axes: Axes, results: Results) -> None:
         for (name, count), colour in classes
         if count
     ]
-    look: Style = {"title": "points", "alignment": "left"}
-    axes.figure.legend(handles=marks, loc="outside right center", **look)
+    axes.figure.legend(handles=marks, title="points", loc="outside right center")

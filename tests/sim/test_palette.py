@@ -124,6 +124,19 @@ def test_pictures_take_their_colours_from_the_palette():
     assert [str(p) for p in files if own.search(p.read_text())] == []
 
 
+def test_pictures_of_the_pages_have_colours_of_the_palette():
+    """Scripts know the front door of `sim` alone, and write them down."""
+    written = {
+        code
+        for path in (ROOT / "scripts").glob("*.py")
+        for code in re.findall(r"""["'](#[0-9a-f]{6})["']""", path.read_text())
+    }
+    known = [*palette.RUNS, palette.LIMIT]
+    known += [mark.colour for mark in palette.PREDICTED.values()]
+    assert written
+    assert written <= {colour.hex for colour in known}
+
+
 def test_colours_too_close_are_found():
     close = {"one": palette.PAPER, "other": palette.Colour(246, 247, 246)}
     assert too_close(close, "all cones")
