@@ -256,15 +256,6 @@ def test_without_a_run_the_newest_one_is_taken_and_named(
     said = capsys.readouterr()
     assert said.out.strip().endswith("ellipse-001/report.html")
     assert f"the newest run, {Path('runs', 'ellipse-001')}" in said.err
-    filmed = []
-    monkeypatch.setattr(
-        "sim.pictures.run_film.film_folder", lambda run, **_: filmed.append(run)
-    )
-    assert main(["film"]) == 0
-    assert filmed == [Path("runs", "ellipse-001")]
-    assert "the film of a whole walk takes minutes" in capsys.readouterr().err
-    assert main(["film", str(Path("runs", "line-001"))]) == 0  # who names it knows
-    assert capsys.readouterr().err == ""
 
 
 def test_what_to_cite_is_told_for_the_program_and_for_a_run(folder, capsys):

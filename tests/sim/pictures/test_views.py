@@ -1,6 +1,8 @@
 """Films made later: from any side, of any stretch of time, under any name."""
 
 import json
+import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -95,3 +97,19 @@ def test_films_that_cannot_be_are_refused_at_once(folder, tmp_path, capsys):
         assert main(["film", str(folder), *words]) == 2, words
     assert main(["film", str(tmp_path / "nothing")]) == 2
     assert capsys.readouterr().err.count("\n") == 7
+
+
+def test_a_film_of_a_run_that_nobody_named_is_said_to_take_minutes(
+    walked, tmp_path, monkeypatch, capsys
+):
+    filmed = []
+    module = "sim.pictures.run_film.film_folder"
+    monkeypatch.setattr(module, lambda folder, **_: filmed.append(folder))
+    monkeypatch.chdir(tmp_path)
+    run = Path("runs", "line-001")
+    shutil.copytree(walked, run)
+    assert main(["film"]) == 0
+    assert "film of a whole walk takes minutes" in capsys.readouterr().err
+    assert main(["film", str(run)]) == 0  # whoever names it knows
+    assert capsys.readouterr().err == ""
+    assert filmed == [run, run]
