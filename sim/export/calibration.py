@@ -149,13 +149,12 @@ def _draw(robot: Robot, folder: Path) -> None:
 
     model, kinematics = robot.model, Kinematics(robot)
     model.vis.global_.offwidth, model.vis.global_.offheight = WIDTH, HEIGHT
-    model.geom_matid[:] = -1
+    model.geom_matid[:], model.light_castshadow[:] = -1, False
     data, view = mujoco.MjData(model), mujoco.MjvCamera()
     view.distance, view.elevation = DISTANCE * kinematics.reach, ELEVATION
     floor = model.geom_type[:, None] == mujoco.mjtGeom.mjGEOM_PLANE
     plain = np.where(floor, palette.PAPER.rgba(), palette.OUTLINE.rgba())
     with mujoco.Renderer(model, height=HEIGHT, width=WIDTH) as renderer:
-        renderer.scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = False
         for number, joint in enumerate(robot.card.joints, 1):
             moved = _carried(model, int(model.joint(joint).bodyid[0]))
             model.geom_rgba[:] = plain
