@@ -99,7 +99,7 @@ def page(results: Results, found: Findings, table: Path, beside: Path) -> str:
         about=f"{', '.join(results.keys)} {'vary' if results.keys[1:] else 'varies'}",
         found=found,
         label=results.label,
-        counts=Table(("farthest off, of the path", "points", "share"), counts),
+        counts=Table(("farthest off, of the path, each once", "points", "share"), counts),
         explained=Table(("explained by", "of distances", "of lost walks"), shares),
         maps=[finish(figure, " and ".join(keys), []) for keys, figure in drawn],
         worst=_points(results, worst, folder, places),
