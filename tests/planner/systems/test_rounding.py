@@ -28,6 +28,11 @@ def settled(formula, at):
         (sp.atan2(sp.sin(X), Y), (np.pi, 1)),
         (sp.sin(1000 * X), (np.pi, 0)),
         (sp.Max(X - sp.Float(0.3), 0), (np.nextafter(0.3, 1), 0)),
+        # what is negative weighs as much as what is positive
+        (X + Y - sp.Float(3.3), (1.1, 2.2)),
+        (X + Y + sp.Piecewise((-3.3, X < 2), (X, True)), (1.1, 2.2)),
+        (sp.cos(X) - sp.cos(Y), (3.0, 2 * np.pi - 3.0)),
+        (sp.sin(X), (-5e5 * np.pi, 0)),
     ],
 )
 def test_what_cancelling_terms_leave_is_zero(formula, at):
