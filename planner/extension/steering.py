@@ -64,8 +64,7 @@ class Steering:
     @property
     def selected_degrees(self) -> tuple[int, ...]:
         """Degree of each selected element."""
-        degrees = lie_algebra(self.hall.elements).degrees
-        return tuple(degrees[j] for j in self.selected)
+        return tuple(lie_algebra(self.hall.elements).degrees[j] for j in self.selected)
 
     @property
     def raised(self) -> bool:

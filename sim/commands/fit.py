@@ -46,7 +46,7 @@ def fit(options: argparse.Namespace) -> None:
                 fit = fit_joints(setup, logs, walking)
             told |= fit.settings(setup.robot.card.joints)
             both = zip(fit.joints, fit.before.tolist(), fit.after.tolist(), strict=True)
-            kept = {joint: {"before": b, "after": a} for joint, b, a in both}
+            kept = {joint: {"before": b, "after": a} for joint, b, a in both if b == b}
             facts["servos"] = {"unseen": fit.make.unseen(), "held_out": kept}
             parts["servos"] = _of_servos(fit)
         if walked is not None:
@@ -122,7 +122,7 @@ def _of_servos(fit: JointFit) -> dict[str, object]:
             unseen[words].append(joint)
     for words in fit.make.unseen():
         unseen[words].append("all joints together")
-    before, after = (sqrt((missed**2).mean()) for missed in (fit.before, fit.after))
+    before, after = (sqrt((m[m == m] ** 2).mean()) for m in (fit.before, fit.after))
     return {"rows": rows, "unseen": unseen, "before": before, "after": after}
 
 

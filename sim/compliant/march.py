@@ -59,8 +59,7 @@ class Commands:
 def changes(rows: Array, timestep: float) -> Array:
     """Times at which held commands (T, ...) change [s]."""
     flat = rows.reshape(len(rows), -1)
-    changed = (np.diff(flat, axis=0) != 0).any(axis=1)
-    return (1 + np.flatnonzero(changed)) * timestep
+    return (1 + np.flatnonzero((np.diff(flat, axis=0) != 0).any(axis=1))) * timestep
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,7 +19,7 @@ import numpy as np
 
 from models import Robot
 from planner import Array
-from sim.errors import UsageError
+from sim.errors import SimulationError, UsageError
 from sim.fitting.estimate import Estimates, Parameter, estimate, pooled, together
 from sim.fitting.servo_law import Commanded, known_servos, on_floor, on_stand
 from sim.folder import whole
@@ -102,6 +102,10 @@ def fit_joints(setup: Setup, logs: Sequence[Log], walking: bool) -> JointFit:
         np.sqrt(np.mean([_missed(*pair, servo) for pair in pairs], axis=0))
         for servo in (start, whole)
     )
+    if (lost := np.isfinite(before) & ~np.isfinite(after)).any():
+        what = "the servo that fits best cannot be simulated"
+        remedy = "give a log in which every joint moves"
+        raise SimulationError(what, logs[0].joints[int(lost.argmax())], remedy)
     return JointFit(logs[0].joints, each, make, own, before, after)
 
 

@@ -84,8 +84,7 @@ def length_up_to(points: Array) -> Array:
 
 def spaced_rows(points: Array, spacing: float) -> Array:
     """Rows of the first of some points (N, 2), and of the next ones a spacing on."""
-    marks = np.floor(length_up_to(points) / spacing)
-    return np.unique(marks, return_index=True)[1]
+    return np.unique(np.floor(length_up_to(points) / spacing), return_index=True)[1]
 
 
 class PathDeviation(NamedTuple):

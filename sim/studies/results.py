@@ -162,8 +162,7 @@ def group(values: Sequence[object], separate: bool = False) -> Array:
     ranks = np.array([place[value] for value in comparable], dtype=int)
     if separate or len(distinct) <= SEPARATE:
         return ranks
-    bins = int(np.clip(len(ranks) // EACH, *BINS))
-    return ranks * bins // len(distinct)
+    return ranks * int(np.clip(len(ranks) // EACH, *BINS)) // len(distinct)
 
 
 def _comparable(value: object) -> tuple[str, object]:

@@ -147,5 +147,4 @@ class Panel(plugin.ViewerPlugin):
 
 def row_at(walk: Run, moment: float) -> int:
     """Row of the trajectory that shows a moment [s]."""
-    row = int(np.searchsorted(walk.time, moment - 1e-9))
-    return min(row, len(walk.time) - 1)
+    return min(int(np.searchsorted(walk.time, moment - 1e-9)), len(walk.time) - 1)

@@ -8,9 +8,16 @@ import pytest
 
 from models import load
 from sim.cli import main
-from sim.errors import UsageError
+from sim.errors import SimulationError, UsageError
 from sim.fitting.estimate import Estimates, Parameter, estimate, pooled
-from sim.fitting.fitting import MAKE, JointFit, fit_servos, one_make, servos
+from sim.fitting.fitting import (
+    MAKE,
+    JointFit,
+    fit_joints,
+    fit_servos,
+    one_make,
+    servos,
+)
 from sim.fitting.servo_law import Commanded
 from sim.logs.log import Log, written
 from sim.preparation.setup import prepare
@@ -128,6 +135,33 @@ def classroom_log(path, measured=True):
         written(Log(time, joints, angle, measured=seen if measured else None))
     )
     return joints
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")  # of a stiffness of 0
+def test_servos_of_joints_that_never_move_are_no_numbers():
+    classroom = {"robot": "hexapod-classroom"}
+    setup = prepare(
+        load_scenario("line", classroom), robot := load("hexapod-classroom")
+    )
+    joints = robot.card.joints
+    still = np.tile([robot.standing_angle(joint) for joint in joints], (300, 1))
+    off = 0.01 * np.random.default_rng(0).normal(size=len(joints))
+    log = Log(np.arange(300) / 100, joints, still, measured=still + off)
+    with pytest.raises(SimulationError, match="give a log in which every joint moves"):
+        fit_joints(setup, [log], walking=False)
+
+
+@pytest.mark.filterwarnings("ignore:Mean of empty slice")
+def test_a_joint_that_was_not_measured_to_the_end_is_not_checked(tmp_path, capsys):
+    joints = classroom_log(tmp_path / "log.csv")
+    lines = (tmp_path / "log.csv").read_text().splitlines()
+    late = [line.rpartition(",")[0] + "," for line in lines[len(lines) // 2 :]]
+    (tmp_path / "log.csv").write_text("\n".join(lines[: len(lines) // 2] + late))
+    words = ["fit", "hexapod-classroom", str(tmp_path / "log.csv")]
+    assert main([*words, "--json"]) == 0
+    assert [*json.loads(capsys.readouterr().out)["servos"]["held_out"]] == [joints[0]]
+    assert main(words) == 0
+    assert "nan" not in capsys.readouterr().out
 
 
 def test_a_card_is_written_that_walks_use(tmp_path, capsys):
