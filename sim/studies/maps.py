@@ -93,13 +93,14 @@ def page(results: Results, found: Findings, table: Path, beside: Path) -> str:
         for key, one in found.explained.items()
     ]
     drawn = figures(results, "none")
+    heads = "farthest off, of the path, each once", "points", "share"
     return render(
         "study.html",
         title=f"{name}: {len(results)} points",
         about=f"{', '.join(results.keys)} {'vary' if results.keys[1:] else 'varies'}",
         found=found,
         label=results.label,
-        counts=Table(("farthest off, of the path, each once", "points", "share"), counts),
+        counts=Table(heads, counts),
         explained=Table(("explained by", "of distances", "of lost walks"), shares),
         maps=[finish(figure, " and ".join(keys), []) for keys, figure in drawn],
         worst=_points(results, worst, folder, places),
