@@ -24,7 +24,7 @@ from models import (
 )
 from models.adoption import servo_for
 from models.contact import lift_torques
-from models.description import actuators_of
+from models.description import actuator_of
 from sim.motion.stability import margin_at_rest
 from sim.physics.standing import check_standing
 from sim.preparation.reach import immobile, lift_angle
@@ -82,14 +82,14 @@ def _servos(scenario: Scenario, kinematics: Kinematics, world: World) -> Facts:
     )
     first = sliding.round(6).argmax()  # of those that bear as much
     stratum, leg = np.unravel_index(first, sliding.shape)
-    # of the file's own servos; 0 where they have no limit
-    ranges = robot.model.actuator_forcerange[:, 1]
-    own = [r for j in robot.lift_joints for r in ranges[actuators_of(robot.model, j)]]
+    model = load_world(world)
+    lifts = [actuator_of(model, joint) for joint in robot.lift_joints]
+    weakest = float(model.actuator_forcerange[lifts, 1].min())  # 0 without a limit
     makes = sorted((kind.stall_torque, name) for name, kind in SERVO_KINDS.items())
     return {
         "name": asked.name,
         "stiffness": asked.stiffness or (world.servo[0] if world.servo else None),
-        "torque": asked.torque or float(min(own, default=0.0)) or None,
+        "torque": asked.torque or weakest or None,
         "joint": robot.lift_joints[leg],
         "stratum": strata[stratum],
         "standing": float(standing[stratum, leg]),

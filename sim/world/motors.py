@@ -67,13 +67,33 @@ def undamped_joints(robot: Robot, asked: ServoSettings) -> tuple[str, ...]:
 
 
 def ensure_motors(spec: mujoco.MjSpec, robot: Robot, asked: ServoSettings) -> None:
-    """Give armature to leg joints that have none, and damping to their servos."""
+    """Give leg joints the armature, and their servos damping and limits, they lack."""
     for joint, inertia in added_rotors(robot, asked).items():
         spec.joint(joint).armature = inertia
     undamped = undamped_joints(robot, asked)
     for servo in spec.actuators:
         if servo.trntype in ON_JOINT and servo.target in undamped:
             servo.biasprm[2] = CRITICAL
+        if servo.trntype in ON_JOINT and servo.target in robot.card.joints:
+            _take_limit(servo, spec.joint(servo.target), asked)
+
+
+def _take_limit(
+    servo: mujoco.MjsActuator, joint: mujoco.MjsJoint, asked: ServoSettings
+) -> None:
+    """Move the torque that the file allows a joint, `effort` in URDF, to its servo.
+
+    A make of servo has a torque of its own, whatever was on the joint before.
+    """
+    if not joint.actfrclimited or not any(joint.actfrcrange):
+        return
+    joint.actfrclimited = False
+    if asked.torque is None:
+        ranges = [joint.actfrcrange]
+        if servo.forcelimited and any(servo.forcerange):
+            ranges.append(servo.forcerange)
+        low, high = np.array(ranges).T
+        servo.forcerange, servo.forcelimited = (low.max(), high.min()), True
 
 
 def common_servo(model: mujoco.MjModel, robot: Robot) -> tuple[float, float] | None:

@@ -90,3 +90,26 @@ def test_feet_of_an_owner_s_robot_stay_where_they_are(handmade, scenario):
     summary = simulated(given).summary
     assert summary["bounces"] <= 2  # 0 measured; 21 on legs alone
     assert summary["error"]["quasi_static"]["position_per_path"] < 0.01
+
+
+@pytest.mark.parametrize(
+    ("settings", "most"),
+    [({}, 0.7), ({"servo": "mg996r"}, 11 * 0.0980665)],
+    ids=["as the file has it", "on another make"],
+)
+def test_torque_that_a_file_allows_joints_is_that_of_their_servos(
+    tmp_path, scenario, settings, most
+):
+    handmade = owned(owners.handmade, tmp_path)
+    text = handmade.path.read_text()
+    limited = text.replace("<joint ", '<joint actuatorfrcrange="-0.7 0.7" ')
+    assert limited != text
+    handmade.path.write_text(limited)
+    model = prepare(scenario(**settings), load(str(handmade.path))).model
+    servos = [model.actuator(joint).id for joint in handmade.card.joints]
+    assert model.actuator_forcelimited[servos].all()
+    assert model.actuator_forcerange[servos] == pytest.approx(
+        np.array([-most, most]) * np.ones((12, 1)),
+        rel=1e-5,  # MJCF is written with six digits
+    )
+    assert not model.jnt_actfrclimited.any()
