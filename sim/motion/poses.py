@@ -78,8 +78,7 @@ def nearest_turn(yaw: float, to: float) -> float:
 
 def length_up_to(points: Array) -> Array:
     """Length of a line (N, 2) from its first point to each, shape (N,)."""
-    steps = np.diff(points, axis=0, prepend=points[:1])
-    return np.cumsum(np.hypot(*steps.T))
+    return np.cumsum(np.hypot(*np.diff(points, axis=0, prepend=points[:1]).T))
 
 
 def spaced_rows(points: Array, spacing: float) -> Array:

@@ -142,8 +142,7 @@ def beyond(point: Place, sides: Sides) -> Expression:
 
 def apart(point: Place, sides: Sides) -> Expression:
     """Distance of a point from the nearest of several segments [m]."""
-    nearest = reduce(ca.fmin, [_square(point, *side) for side in sides])
-    return ca.sqrt(nearest + TINY)
+    return ca.sqrt(reduce(ca.fmin, [_square(point, *side) for side in sides]) + TINY)
 
 
 def _square(point: Place, begin: Place, end: Place) -> Expression:

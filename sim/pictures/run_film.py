@@ -127,8 +127,8 @@ def film_folder(
 
 @contextmanager
 def _scratch(film: Path) -> Iterator[Path]:
-    """A hidden folder on the film's disk; remains of an earlier film are removed."""
-    scratch = film.parent / f".{film.stem}.pieces"
+    """A hidden folder on the film's disk, of this process alone."""
+    scratch = film.parent / f".{film.stem}.{os.getpid()}.pieces"
     shutil.rmtree(scratch, ignore_errors=True)
     scratch.mkdir()
     try:

@@ -45,6 +45,10 @@ def read_table(path: Path) -> tuple[dict[str, list[object]], dict[str, Any]]:
         remedy = "make one: stratawalk sweep friction-speed --out sweeps/friction-speed"
         if str(path) in shipped_studies():
             remedy = f"sweep it first: stratawalk sweep {path} --out sweeps/{path}"
+        elif any(path.parent.glob("ledger*.jsonl")):
+            remedy = (
+                "end its sweep with --resume, or merge its shards: stratawalk merge"
+            )
         elif any(path.parent.glob("*/scenario.toml")):
             remedy = f"runs are compared: stratawalk compare {path.parent}"
         raise UsageError("no such table", str(path), remedy)

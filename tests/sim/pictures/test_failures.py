@@ -11,6 +11,7 @@ from sim.pictures import run_film
 from sim.pictures.file import check_encoder, count_pictures, encoding, join
 from sim.pictures.run_film import Piece, film_folder
 from sim.runs.run import read_run
+from tests.commands import FORKS
 from tests.screen import FFMPEG, decode
 
 
@@ -194,3 +195,20 @@ def test_what_is_no_film_holds_no_pictures(tmp_path, content):
     path = tmp_path / "film.mp4"
     path.write_bytes(content)
     assert count_pictures(path) == 0
+
+
+def draw_beside(film, used):
+    with run_film._scratch(film) as scratch:
+        used.put(scratch)
+
+
+def test_films_of_one_name_that_are_drawn_at_once_do_not_disturb_each_other(tmp_path):
+    film, used = tmp_path / "video.mp4", FORKS.Queue()
+    with run_film._scratch(film) as mine:
+        (mine / "0.mp4").touch()
+        beside = FORKS.Process(target=draw_beside, args=(film, used))
+        beside.start()
+        assert used.get(timeout=60) != mine
+        beside.join(60)
+        assert (mine / "0.mp4").exists()
+    assert not [*tmp_path.iterdir()]

@@ -1,5 +1,6 @@
 """A sweep's folder is changed by one process at a time, which says what it has kept."""
 
+import shutil
 from contextlib import redirect_stdout
 
 import pytest
@@ -43,3 +44,11 @@ def test_nothing_is_merged_where_a_sweep_is_being_walked(swept, capsys):
     assert "is working on this sweep" in line
     assert ledger.read_bytes() == written
     assert main(["merge", str(folder)]) == 0
+
+
+def test_a_sweep_without_its_table_is_told_to_end_first(swept, tmp_path, capsys):
+    shutil.copy(swept[1] / "ledger.jsonl", tmp_path)
+    assert main(["study", str(tmp_path)]) == 2
+    (line,) = told(capsys.readouterr().err)
+    assert "no such table: " in line
+    assert "; end its sweep with --resume, or merge its shards" in line
