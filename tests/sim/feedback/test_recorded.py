@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sim.feedback.filter import Feedback, bound
+from sim.feedback.filter import Feedback, Misses, bound
 from sim.feedback.sensing import KINDS, Sensor
 from sim.motion.poses import compose, relative, seen_from
 
@@ -105,3 +105,22 @@ def test_every_fifth_stop_does_for_two_millimetres():
 def test_a_robot_that_is_pushed_is_found_again():
     off, _ = watched(TAG, pushed(20))
     assert np.median(millimetres(off)) < 1.2
+
+
+def test_what_is_expected_of_segments_is_what_these_robots_missed():
+    began = np.concatenate([np.zeros((len(TRUE), 1, 3)), TRUE[:, :-1]], axis=1)
+    missed, slopes, scatters = relative(began, TRUE) - MEANT, [], []
+    for meant, miss in zip(MEANT, missed, strict=True):
+        given = np.column_stack([np.ones(len(meant)), meant])
+        found = np.linalg.lstsq(given, miss)[0]
+        slopes.append(found[1:].T)
+        scatters.append((miss - given @ found).std(axis=0))
+    unit, expected = np.array([RADIUS, RADIUS, 1.0]), Misses()
+    slope, scatter = (
+        np.sqrt(np.mean(np.square(n), axis=0)) for n in (slopes, scatters)
+    )
+    # along x, along y and turning; 0.96, 0.96 and 0.53 were measured
+    along = expected.slope.max(axis=0) / (slope / np.outer(unit, 1 / unit)).max(axis=0)
+    assert ((along > 0.5) & (along < 1.5)).all()
+    spread = expected.scatter.max() / (scatter / unit).max()
+    assert 1.0 < spread < 1.5  # 1.25
