@@ -125,7 +125,7 @@ def test_a_servo_behind_a_gear_is_the_same_on_the_joint(tmp_path, scenario):
 @pytest.mark.full
 @pytest.mark.parametrize(
     ("name", "share", "rigid"),
-    # of the path, measured 0.0026 where the rigid one misses by 0.036; 0.0100 and 0.097
+    # of the path, measured 0.0026 where the rigid one misses by 0.036; 0.0096 and 0.089
     [("scorpion", 0.004, 0.03), ("crab", 0.0105, 0.03)],
 )
 def test_legs_of_three_soft_joints_walk_as_the_compliant_prediction_says(
