@@ -162,7 +162,8 @@ class Drive:
             f"delivered go at {kind.profile_speed:.2f} rad/s",
             f"servo = {self._servo.name!r}",
             f"write {counts} into their speed register, and set servo_data."
-            f"profile_speed={counts * kind.resolution:.2f}, or lower swing_speed",
+            f"profile_speed={counts * kind.resolution:.2f}, or lower swing_speed "
+            "if legs swing so fast, lift_height if they lift so fast",
         )
 
     def require_reach(self, schedule: Schedule, torques: FeedForward | None) -> None:
