@@ -16,6 +16,8 @@ from sim.viewing.marks import Marks, thinned
 from sim.viewing.web import TORSO, looked_through
 from tests.finished_runs import predicted_elsewhere
 
+KIND = mujoco.mjtGeom
+
 
 @pytest.fixture(scope="module")
 def recorded(walked):
@@ -188,3 +190,18 @@ def test_a_button_of_the_panel_sets_the_speed(monkeypatch):
     panel._playback, panel._key = SimpleNamespace(time=0, end=9, paused=True), ()
     panel.on_gui(None)
     assert (panel._playback.speed, panel._playback.paused) == (4, True)
+
+
+def test_lines_lie_over_one_another_and_over_the_disc_of_the_goal(recorded, model):
+    """In parts of the reach; lines of one height would flicker."""
+    drawn = Marks(recorded, model).at(len(recorded.time) // 2)
+    lines = [g for g in drawn if g.type == KIND.mjGEOM_BOX and g.rgba[3] == 1]
+    found = {(tuple(g.rgba), round(float(g.pos[2]) / recorded.reach, 4)) for g in lines}
+    assert sorted(h for _, h in found) == [0.008, 0.0104, 0.0128, 0.0152, 0.0176]
+    widths = {round(2 * float(g.size[0]) / recorded.reach, 4) for g in lines}
+    assert widths == {0.006, 0.01}  # of paths, of the edge of the support
+    (disc,) = (
+        g for g in drawn if np.allclose(g.rgba, palette.NOMINAL.colour.rgba(0.5))
+    )
+    middle, half = disc.pos[2] / recorded.reach, disc.size[2] / recorded.reach
+    assert (middle, half) == pytest.approx((0.004, 0.002))  # of height, on the floor
