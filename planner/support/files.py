@@ -13,6 +13,7 @@ import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from secrets import token_hex
 from typing import BinaryIO
 
 LARGEST_TEXT = 10**7  # bytes of a text that somebody has written
@@ -29,7 +30,8 @@ def whole_file(path: Path | str, size: int = 0) -> Iterator[Path]:
     bytes that will be written, as far as it is known.
     """
     path = Path(path)
-    part = path.parent / f".{path.stem}.{os.getpid()}.part{path.suffix}"
+    secret = token_hex(8)  # no link that waits in a folder of others can have it
+    part = path.parent / f".{path.stem}.{secret}.part{path.suffix}"
     _unfinished.add(part)
     try:
         require_space(path.parent, size)

@@ -48,6 +48,16 @@ def test_process_that_dies_halfway_leaves_no_file_under_its_name(tmp_path):
     assert "a.txt" not in names(tmp_path)
 
 
+def test_a_link_that_waits_under_the_name_of_a_part_is_not_written_through(tmp_path):
+    with whole_file(tmp_path / "a.txt") as part:
+        part.write_text("first")
+    part.symlink_to("victim")  # as a foreign folder may hold, if it could be guessed
+    with whole_file(tmp_path / "a.txt") as part:
+        part.write_text("second")
+    assert not (tmp_path / "victim").exists()
+    assert (tmp_path / "a.txt").read_text() == "second"
+
+
 @pytest.mark.parametrize("name", ["absent/a.json", "file/a.json", "."])
 def test_refusal_names_the_file_and_not_the_part(tmp_path, name):
     (tmp_path / "file").touch()
