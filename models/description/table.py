@@ -17,10 +17,16 @@ from planner.support import did_you_mean
 
 LARGEST_INTEGER = 2**63  # as the TOML specification has it
 DEEPEST_NESTING = 32  # tables and lists inside each other
+_PART = r"""(?a:[\w-]+|"(?:[^"\\\n]|\\.)*"|'[^'\n]*')[ \t]*"""
+_DEEP_KEY = re.compile(  # which tomllib reads in a time that grows with its square
+    rf"(?:^|[\[{{,])[ \t]*(?:{_PART}\.[ \t]*){{{DEEPEST_NESTING}}}", re.MULTILINE
+)
 
 
 def parse_toml(text: str) -> dict[str, Any]:
     """Read TOML; ValueError for other text, deep nesting, numbers beyond 64 bits."""
+    if _DEEP_KEY.search(text):
+        raise ValueError(f"nested deeper than {DEEPEST_NESTING}")
     try:
         table = tomllib.loads(text)
     except RecursionError:
