@@ -73,8 +73,7 @@ def two_groups(limbs: Sequence[Limb], weight: Array, source: str) -> list[Groups
 def _surety(feet: Array, weight: Array) -> float:
     """Least share of the weight on any of some feet; 0 where they do not balance it."""
     loads = static_loads(feet[None], weight[None])[0]
-    balanced = np.abs(loads @ feet - weight).max() < 1e-6
-    return float(loads.min()) if balanced else 0.0
+    return float(loads.min()) if np.abs(loads @ feet - weight).max() < 1e-6 else 0.0
 
 
 def posed(

@@ -55,8 +55,7 @@ def _values(expression: sp.Expr, state: Symbols) -> Array:
 
 def vanishes(expression: sp.Expr, state: Symbols, size: float = 1.0) -> bool:
     """Whether an expression is zero near zero, relative to a size."""
-    values = _values(expression, state)
-    return bool(np.abs(values).max(initial=0.0) <= VANISHED * size)
+    return bool(np.abs(_values(expression, state)).max(initial=0.0) <= VANISHED * size)
 
 
 def declared_or_derived(

@@ -70,7 +70,10 @@ def confirmed(setup: Setup, name: str, field: MeasuredField) -> MeasuredField:
     """
     farthest = whole_range(setup, field.direction)
     way, pose = _stroke_back(setup, name, (farthest, field.span))
-    ways = np.linspace(0.0, np.abs(way).max(), FINE)
+    if (came := np.abs(way).max()) < field.span / 2:
+        what = "a stroke in the opposite direction came to"
+        raise MeasurementError(f"{what} {came:.2g} of {field.span:.2g} rad")
+    ways = np.linspace(0.0, came, FINE)
     share = _shares(setup, field, ways, way, pose)
     if (worst := share[ways <= field.span].max()) > TOLERATED:
         raise MeasurementError(

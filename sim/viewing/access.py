@@ -162,8 +162,7 @@ class Access:
             except Exception as error:  # which ends what one browser says, no more
                 logging.getLogger("WebServer").debug("a browser said: %s", error)
 
-        limited = settings | LIMITS
-        return serve(heard, process_request=answered, **limited)
+        return serve(heard, process_request=answered, **settings | LIMITS)
 
     def _is_here(self, host: str) -> bool:
         with suppress(ValueError):  # of brackets that do not match

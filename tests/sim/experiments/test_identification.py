@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 
+from models import MeasurementError
 from models.motion.twists import MeasuredField
 from sim.experiments import identification
 from sim.experiments.identification import FINE, confirmed, whole_range
@@ -34,6 +35,14 @@ def test_a_stroke_that_turns_on_beyond_half_a_turn_is_told_without_a_jump(monkey
     assert ways.tolist() == sorted(way)
     assert np.diff(poses[:, 2]) == pytest.approx(np.diff(ways), abs=1e-12)
     assert poses[:, 1].tolist() == ways.tolist()
+
+
+def test_a_stroke_back_that_hardly_moves_confirms_nothing(monkeypatch):
+    """As of servos that are damped so much that they do not come to their commands."""
+    way = np.array([-0.04, 0.0])
+    monkeypatch.setattr(identification, "_stroke_back", lambda *given: (way, np.eye(3)))
+    with pytest.raises(MeasurementError, match="direction came to 0.04 of 0.1 rad"):
+        confirmed(SETUP, "a", FIELD)
 
 
 @pytest.mark.parametrize(
