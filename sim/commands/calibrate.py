@@ -18,12 +18,13 @@ from models.description import (
     KNOWN_SERVOS,
     board_divider,
     board_rate,
+    parse_toml,
 )
 from planner.support import read_file
 from sim.commands import options as cli
 from sim.commands.declared import real, whole as counted
 from sim.endings import again, keeping, way_on
-from sim.errors import RenderError, UsageError
+from sim.errors import RenderError, UsageError, printable
 from sim.export.calibration import card_with, draw, joint_servo, marks, sheet, strokes
 from sim.export.header import write_header
 from sim.export.servo_table import servo_table
@@ -113,7 +114,8 @@ def _calibrated(
     """Ask for every servo that the card does not have, and write it at once."""
     card, file = robot.card, robot.path.with_suffix(".toml")
     known, pulse = dict(card.joint_servos), kind.signal == "pulse"
-    clock = card.board_clock if "[board]" in robot.card_text else None
+    clock = card.board_clock if "board" in parse_toml(robot.card_text) else None
+    _require_room(robot)
     ask, number = _Asker(options.answers), len(card.joints)
 
     def kept() -> str:
@@ -131,6 +133,17 @@ def _calibrated(
                 part.write_text(card_with(robot.card_text, known, clock), "utf-8")
     check = f"stratawalk calibrate {robot.path} --check"
     return {"card": f"{file}, {len(known)} servos", "next": check}
+
+
+def _require_room(robot: Robot) -> None:
+    """Refuse a card that would not be TOML with the servos of all joints."""
+    servos = dict.fromkeys(robot.card.joints, JointServo())
+    try:
+        parse_toml(card_with(robot.card_text, servos, BOARD_CLOCK))
+    except ValueError as error:
+        what = f"servos cannot be written, {str(error).partition(' (at')[0]}"
+        remedy = "begin their tables with lines [servo.JOINT], the board's with [board]"
+        raise UsageError(what, str(robot.path.with_suffix(".toml")), remedy) from error
 
 
 def _clock(ask: _Asker) -> float | None:
@@ -164,16 +177,16 @@ def _found(
 
     def servo(joint: str, channel: int) -> JointServo:
         angles = marks(robot, joint)
-        turned = ask("  as counts grew, from mark 1 to 2 (+), or back (-)? ", str)
-        one, two = (
-            ask(f"  count at mark {number}, {degrees(angle):.1f} degrees: ", counted)
-            for number, angle in enumerate(angles, start=1)
-        )
-        try:
-            return joint_servo(kind, clock, channel, turned, (one, two), angles)
-        except ValueError as error:
-            print(f"  {error}")
-            return servo(joint, channel)
+        while True:
+            turned = ask("  as counts grew, from mark 1 to 2 (+), or back (-)? ", str)
+            one, two = (
+                ask(f"  count at mark {mark}, {degrees(angle):.1f} degrees: ", counted)
+                for mark, angle in enumerate(angles, start=1)
+            )
+            try:
+                return joint_servo(kind, clock, channel, turned, (one, two), angles)
+            except ValueError as error:
+                print(f"  {error}")
 
     for channel in channels:
         if channel in taken or not left:
@@ -210,7 +223,7 @@ class _Asker:
             except (EOFError, StopIteration):
                 raise UsageError("answers end", self._place, way_on()) from None
             except (ValueError, argparse.ArgumentTypeError) as error:
-                print(f"  {error}")
+                print(printable(f"  {error}"))
 
 
 def _check(robot: Robot, kind: ServoKind, folder: RunFolder) -> Mapping[str, str]:

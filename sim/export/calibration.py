@@ -30,7 +30,7 @@ LIKELY = 0.5  # of the counts a radian of the make; other answers are mistaken
 SWING, SECONDS = radians(15), 2.0  # of the strokes that check
 WAYS = {"+": 1, "-": -1}
 NUMBERS = ("channel", "sign", "center", "offset", "counts_per_radian")
-OWN = re.compile(r"[ \t]*\[(servo\.|board\])")
+OWN = re.compile(r"""[ \t]*\[[ \t]*(["']?)(servo\1[ \t]*\.|board\1[ \t]*\])""")
 
 
 def joint_servo(

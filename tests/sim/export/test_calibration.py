@@ -2,22 +2,18 @@
 
 import re
 import runpy
-from contextlib import nullcontext
 from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
 import pytest
-from PIL import Image
 
-from models import SERVO_KINDS, Kinematics, load
+from models import SERVO_KINDS, load
 from models.description import board_divider
 from sim.cli import main
-from sim.export import calibration
 from sim.export.calibration import joint_servo, marks, strokes
 from sim.export.header import read_header
 from sim.export.servo_table import servo_table
-from tests.hostile import named_otherwise
 
 MAKE = SERVO_KINDS["mg90"]
 ROBOT = "hexapod-classroom"
@@ -174,6 +170,18 @@ def test_counts_that_no_such_servo_needs_are_asked_again(calibrate, capsys):
     assert "look at the marks again" in capsys.readouterr().out
 
 
+def test_mistakes_without_end_are_asked_again_and_told_in_plain_characters(
+    calibrate, capsys
+):
+    mistaken = ["25", "swing_1", *["x", "1", "2"] * 1200, "+", "\x1b[31m"]
+    Path("told.txt").write_text("\n".join(mistaken))
+    assert calibrate(None, ROBOT, "--answers", "told.txt") == 2
+    told = capsys.readouterr()
+    assert "answers end" in told.err
+    assert "\x1b" not in told.out
+    assert r"\x1b[31m" in told.out
+
+
 @pytest.mark.parametrize("mistake", ["none", "sign", "zero"])
 def test_strokes_show_a_wrong_sign_and_a_zero_a_degree_off(calibrate, capsys, mistake):
     board, robot, joint = Board(4), load(ROBOT), "swing_3"
@@ -213,6 +221,53 @@ def test_a_card_keeps_what_is_not_of_single_servos(calibrate):
     assert card.read_text() == first
 
 
+@pytest.mark.parametrize(
+    ("row", "header"),
+    [
+        ("channel = 3", "[ servo.lift_1 ]"),
+        ("channel = 3", '["servo".lift_1]'),
+        ("channel = 3", "[servo . lift_1]"),
+        ("clock = 25.5e6", "[ board ]"),
+    ],
+)
+def test_tables_are_replaced_however_their_headers_are_written(calibrate, row, header):
+    card = stranger(f"{header}\n{row}\n")
+    assert calibrate(Board(5).owner(stop=5), "own.xml") == 2
+    assert header not in card.read_text()
+    kept = load("own.xml").card
+    if "clock" in row:
+        assert kept.board_clock == 25.5e6
+    else:
+        assert kept.joint_servos["lift_1"].channel == 3
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("[servo]", "[servo]\nlift_1.channel = 3"),
+        ("description", "board.clock = 25e6\ndescription"),
+    ],
+)
+def test_a_card_in_which_servos_would_stand_twice_is_refused_as_it_is(
+    calibrate, capsys, old, new
+):
+    card = stranger()
+    card.write_text(card.read_text().replace(old, new, 1))
+    before = card.read_text()
+    assert calibrate(Board(5).owner(), "own.xml") == 2
+    assert "begin their tables with lines [servo.JOINT]" in told_of(capsys)
+    assert card.read_text() == before
+
+
+def stranger(below=""):
+    """A card of an owner's own in this folder, with a table at its end."""
+    shipped = load(ROBOT)
+    Path("own.xml").write_text(shipped.read().to_xml())
+    card = Path("own.toml")
+    card.write_text(f"{shipped.card_text}\n{below}")
+    return card
+
+
 def test_what_is_not_calibrated_is_not_checked(calibrate, capsys):
     assert calibrate(None, ROBOT, "--check") == 2
     assert "find them first: stratawalk calibrate" in told_of(capsys)
@@ -228,62 +283,3 @@ def test_packets_are_those_of_the_makers_manuals():
     written = bytes.fromhex("fffffd000109000374000002 0000cad9".replace("cad9", "ca89"))
     assert packets("xl-330", 1, 512).endswith(written)
     assert packets("lx-16a", 1, 512) == bytes.fromhex("555501070100020000f4")
-
-
-def test_a_joint_is_drawn_from_its_own_side_of_the_robot(tmp_path, monkeypatch):
-    """The camera alone, without a driver: its azimuth is the way that it looks."""
-    robot, seen = load(ROBOT), []
-
-    class Camera:
-        def update_scene(self, data, view):
-            way = np.radians(view.azimuth)
-            stands = -np.array([np.cos(way), np.sin(way)])
-            seen.append((stands, view.lookat.copy(), data.qpos[:3].copy()))
-
-        def render(self):
-            return np.zeros((2, 2, 3), dtype=np.uint8)
-
-    monkeypatch.setattr("mujoco.Renderer", lambda *_, **__: nullcontext(Camera()))
-    calibration._draw(robot, tmp_path)
-    kinematics = Kinematics(robot)
-    hips = [kinematics.hinge(joint)[1][:2] for joint in robot.card.joints]
-    assert len(seen) == 2 * len(hips)
-    for (stands, middle, torso), hip in zip(
-        seen, np.repeat(hips, 2, axis=0), strict=True
-    ):
-        assert (middle == torso).all()
-        assert stands @ hip > 0.7 * np.linalg.norm(hip)  # within 45 degrees
-
-
-@pytest.mark.full
-@pytest.mark.render
-@pytest.mark.usefixtures("driver")
-def test_each_joint_is_drawn_at_both_marks_in_colour(tmp_path):
-    named = named_otherwise(tmp_path, "../../evil")  # no picture beside the folder
-    robot, folder = load(str(named)), tmp_path / "a" / "b"
-    folder.mkdir(parents=True)
-    before = set(tmp_path.rglob("*"))
-    calibration.draw(robot, folder, allow_external=False)
-    made = {folder / f"joint-{n}.png" for n in range(1, 1 + len(robot.card.joints))}
-    assert set(tmp_path.rglob("*")) - before == made
-    for file in made:
-        picture = np.asarray(Image.open(file)).astype(int)
-        red = picture[..., 0] > picture[..., 1:].max(axis=-1) + 60
-        left, right = np.split(red, 2, axis=1)
-        assert left.any()
-        assert right.any()
-        assert (left != right).any()  # the joint has moved
-        assert red.mean() < 0.05  # and nothing else is red
-
-
-def test_the_sheet_has_its_size_and_a_ring_of_a_degree_for_each_foot(tmp_path):
-    robot = load(ROBOT)
-    calibration.sheet(robot, tmp_path / "feet.svg")
-    text = (tmp_path / "feet.svg").read_text()
-    millimetres = re.findall(r'(?:width|height)="([\d.]+)mm"', text)
-    feet = Kinematics(robot).standing.feet
-    edge = 4 * calibration.SHEET_EDGE  # two on every side
-    size = np.array(millimetres, dtype=float) / 1e3
-    assert size == pytest.approx(np.ptp(feet, axis=0) + edge, abs=1e-6)  # as written
-    assert text.count("leg ") >= 6
-    assert (np.sort(size) < [0.297, 0.420]).all()  # A3, as docs/first-robot.md says
