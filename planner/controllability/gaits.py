@@ -235,8 +235,7 @@ def _depends_on_units(union: LieClosure) -> bool:
     if any(isinstance(field, NumericField) for field in union.fields):
         return False  # rates that should be zero are differences' errors
     sizes = np.abs(union.columns).max(axis=1, keepdims=True, initial=0.0)
-    even = union.columns / np.where(sizes > 0.0, sizes, 1.0)
-    return rank(even) > union.rank
+    return rank(union.columns / np.where(sizes > 0.0, sizes, 1.0)) > union.rank
 
 
 def _advice(
