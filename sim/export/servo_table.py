@@ -224,6 +224,8 @@ def read_ros_table(path: Path) -> dict[str, JointServo]:
     except OSError as error:
         what = f"cannot be read, {error.strerror}"
         raise UsageError(what, str(path), "give a YAML file") from error
+    except (LookupError, AttributeError) as error:  # of a tag such as !!bool
+        raise UsageError("a value not of its tag !!", str(path), REMEDY) from error
     except (yaml.YAMLError, ValueError, RecursionError) as error:
         reason = " ".join(str(error).split())
         raise UsageError(f"not YAML, {reason}", str(path), REMEDY) from error

@@ -71,6 +71,10 @@ def test_servos_may_stand_under_a_name_and_have_keys_of_their_own(tmp_path):
         (listed().replace("sign: -1", "sign: 3"), "sign must be 1 or -1"),
         (listed().replace("swing_2", "swing_1"), "'swing_1' is there twice"),
         ("!!python/object/apply:os.getcwd []", "not YAML"),
+        ('!!int ""', "not of its tag"),
+        ('!!float ""', "not of its tag"),
+        ('!!timestamp "x"', "not of its tag"),
+        ('!!bool "x"', "not of its tag"),
     ],
 )
 def test_what_is_no_servo_table_is_refused(tmp_path, text, said):
