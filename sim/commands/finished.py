@@ -7,13 +7,14 @@ import os
 import re
 import sys
 from collections.abc import Iterator
+from functools import partial
 from importlib.metadata import version
 from importlib.resources import files
 from pathlib import Path
 from urllib.parse import urlsplit
 
 from sim.commands import options as cli
-from sim.errors import UsageError
+from sim.errors import ExitCode, UsageError, exit_code
 from sim.folder import blamed_on, ensure_folder
 from sim.progress import bar
 from sim.runs.run import Run, read_run
@@ -65,7 +66,7 @@ def film(options: argparse.Namespace) -> None:
             camera=options.camera,
             stretch=(options.start, options.stop),
             path=path,
-            progress=lambda part: progress("filming", part),
+            progress=partial(progress, "filming"),
         )
     cli.report(options, {"film": str(filmed)}, filmed)
 
@@ -90,8 +91,7 @@ def view(options: argparse.Namespace) -> None:
         from sim.viewing.replay import write_replay
 
         with bar(quiet=options.json) as progress:
-            run = cli.run_of(options)
-            path = write_replay(run, lambda part: progress("replay", part))
+            path = write_replay(cli.run_of(options), partial(progress, "replay"))
         cli.report(options, {"replay": str(path)}, path)
         _open(path.resolve().as_uri(), options.browser)
         return
@@ -107,7 +107,9 @@ def view(options: argparse.Namespace) -> None:
 
     try:
         serve(cli.run_of(options), options.host, options.port, options.speed, started)
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as stop:
+        if exit_code(stop) is not ExitCode.INTERRUPTED:
+            raise
         print(file=sys.stderr)  # the shell's next line begins below ^C
 
 
@@ -126,8 +128,7 @@ def cite(options: argparse.Namespace) -> None:
         re.findall(r"{(.*?),", part)[0]: f"@{part.strip()}"
         for part in text.removeprefix("@").split("\n@")
     }
-    chosen = [entries[key].replace("{VERSION}", f"{{{made}}}") for key in keys]
-    bibtex = "\n".join(chosen)
+    bibtex = "\n".join(entries[k].replace("{VERSION}", f"{{{made}}}") for k in keys)
     cli.report(options, {"keys": keys, "bibtex": bibtex}, bibtex)
 
 

@@ -102,6 +102,23 @@ def test_a_second_signal_ends_at_once(tmp_path):
     assert "interrupted: Ctrl-C for the second time; " in line
 
 
+@pytest.mark.parametrize(
+    ("number", "code"),
+    [(signal.SIGINT, 0), (signal.SIGTERM, 143), (signal.SIGHUP, 129)],
+)
+def test_a_viewer_is_ended_by_ctrl_c_and_stopped_by_other_signals(
+    tmp_path, monkeypatch, capsys, number, code
+):
+    def serve(*given):
+        os.kill(os.getpid(), number)
+
+    monkeypatch.setattr("sim.viewing.web.serve", serve)
+    assert cli.main(["view", str(tmp_path)]) == code
+    told = capsys.readouterr().err.strip()
+    assert told.startswith(f"stratawalk: error: {ENDS[number][1]}; " if code else "")
+    assert bool(told) == bool(code)
+
+
 LIBRARY = """
 import os, signal
 from sim import cli, interruption
