@@ -94,6 +94,10 @@ class Log:
         if times > 1 and apart > radians(1):
             what = f"a motion that ends {apart:.3g} rad from its start"
             raise ValueError(f"{what} cannot be repeated; let it end where it begins")
+        size = self.time.size * (1 + len(self.joints))
+        most = int(min(LONGEST_LOG / self.duration, MOST_NUMBERS / size))
+        if times > max(most, 1):
+            raise ValueError(f"{times} times is too long; give --repeat {most} at most")
         starts = np.arange(times)[:, None] * self.time[-1]
         time = np.append(starts + self.time[:-1], times * self.time[-1])
         rows = np.vstack([*[self.commanded[:-1]] * times, self.commanded[-1:]])
@@ -168,12 +172,13 @@ def _table(path: Path) -> dict[str, Array]:
 
 
 def _number(name: str, cell: str, row: int) -> float:
-    try:
-        value = float(cell.strip() or nan)
+    cell = cell.strip()
+    try:  # Python reads other digits, too, and 1_0
+        value = float(cell or nan) if cell.isascii() and "_" not in cell else inf
     except ValueError:
         value = inf
     if abs(value) == inf:
-        raise ValueError(f"{cell.strip()[:40]!r} in row {row}, column {name!r}")
+        raise ValueError(f"{cell[:40]!r} in row {row}, column {name!r}")
     return value
 
 

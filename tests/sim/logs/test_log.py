@@ -82,6 +82,7 @@ def test_what_was_done_to_a_log_is_said(read):
         (f"time{',a' * 10**6}\n0\n", "column 'a' comes twice"),
         (f"time{',' * 10**6}\n" + f"0{',0' * 10**6}\n" * 10, "column '' comes twice"),
         ("time,hip_1\n0,0\n1,inf\n", "'inf' in row 2, column 'hip_1'"),
+        ("time,hip_1\n0,0\n1,1_0\n", "'1_0' in row 2, column 'hip_1'"),
         ("time,hip_1\n0,0\n1,__import__('os')\n", "in row 2, column 'hip_1'"),
         ("time,hip_1\n0,0\n1,0,0\n", "row 2 has 3 of 2 columns"),
         ("time,hip_1\n0,\n1,\n", "column 'hip_1' is empty"),
@@ -97,6 +98,13 @@ def test_what_was_done_to_a_log_is_said(read):
 def test_what_is_no_log_is_refused_in_one_line(read, text, words):
     with pytest.raises(UsageError, match=words):
         read(text)
+
+
+def test_digits_of_other_scripts_are_no_numbers(tmp_path):
+    path = tmp_path / "log.csv"
+    path.write_text("time,hip_1\n0,0\n1,\u0661\n", encoding="utf-8")
+    with pytest.raises(UsageError, match="in row 2, column 'hip_1'"):
+        read_log(path, JOINTS, LEGS)
 
 
 def test_a_log_of_more_numbers_than_are_read_in_time_is_refused(read, monkeypatch):
@@ -127,3 +135,14 @@ def test_a_period_is_repeated_where_it_ends_as_it_begins(read):
     assert twice.commanded.ravel().tolist() == [0, 1, 0, 1, 0]
     with pytest.raises(ValueError, match="1 rad from its start cannot be repeated"):
         read("time,hip_1\n0,0\n1,1\n").repeated(2)
+
+
+def test_a_period_is_repeated_as_often_as_the_whole_is_read_again(read, monkeypatch):
+    log = read("time,hip_1\n0,0\n1,1\n2,0\n")
+    assert read(written(log.repeated(300))).duration == 600
+    with pytest.raises(ValueError, match="give --repeat 300 at most"):
+        log.repeated(99999999999)
+    monkeypatch.setattr("sim.logs.log.MOST_NUMBERS", 30)
+    assert read(written(log.repeated(5))).duration == 10
+    with pytest.raises(ValueError, match="give --repeat 5 at most"):
+        log.repeated(6)
