@@ -159,6 +159,17 @@ def ensure_folder(folder: Path, what: str = "folder") -> Path:
     return folder
 
 
+def new_file(path: Path, kind: str, *endings: str) -> Path:
+    """A file to be made, which must be new, in a folder that is made for it."""
+    if path.suffix not in endings:
+        remedy = f"give a name in {' or '.join(endings)}"
+        raise UsageError(f"not a {kind}'s name", str(path), remedy)
+    if os.path.lexists(path):
+        raise UsageError("already exists", str(path), "give another name")
+    ensure_folder(path.parent, f"{kind}'s folder")
+    return path
+
+
 def _make(folder: Path) -> Path:
     folder.parent.mkdir(parents=True, exist_ok=True)
     folder.mkdir()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 import time
 import warnings
@@ -16,13 +15,13 @@ import numpy as np
 from models import Robot
 from models.description import parse_toml
 from planner import Array
-from sim.errors import SimulationError, UsageError, one_line
+from sim.errors import SimulationError, one_line
 from sim.evaluation import flows
 from sim.evaluation.assessment import Evaluation, evaluate
 from sim.evaluation.phases import carried_out
 from sim.evaluation.summary import Summary
 from sim.feedback.stops import written as feedback_table
-from sim.folder import Pieces, RunFolder, claim
+from sim.folder import Pieces, RunFolder, claim, new_file
 from sim.logs.log import Log, written
 from sim.physics.engine import STRETCH
 from sim.preparation.setup import Setup
@@ -212,11 +211,7 @@ def film(
     """
     from sim.pictures.run_film import film_folder
 
-    path = Path(path)
-    if path.suffix != ".mp4":
-        raise UsageError("not a film's name", str(path), "give a name in .mp4")
-    if os.path.lexists(path):
-        raise UsageError("already exists", str(path), "give another name")
+    path = new_file(Path(path), "film", ".mp4")
     done = evaluate(walked) if isinstance(walked, Walk) else walked
     with TemporaryDirectory() as scratch:
         _, run = _written(done, Path(scratch) / "run")

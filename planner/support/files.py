@@ -26,12 +26,11 @@ def whole_file(path: Path | str, size: int = 0) -> Iterator[Path]:
 
     The block writes to the path that it is given. That file takes the name `path` when
     the block has succeeded, and is removed when it has not. It lies in the same folder
-    and has the same suffix, from which writers tell the format. `size` is the number of
-    bytes that will be written, as far as it is known.
+    under a secret name with the same suffix, from which writers tell the format. `size`
+    is the number of bytes that will be written, as far as it is known.
     """
     path = Path(path)
-    secret = token_hex(8)  # no link that waits in a folder of others can have it
-    part = path.parent / f".{path.stem}.{secret}.part{path.suffix}"
+    part = path.parent / f".{path.stem}.{token_hex(8)}.part{path.suffix}"
     _unfinished.add(part)
     try:
         require_space(path.parent, size)
@@ -71,10 +70,9 @@ def open_file(path: Path | str) -> BinaryIO:
     if stat.S_ISREG(kind):
         return os.fdopen(handle, "rb")
     os.close(handle)
-    code, reason = errno.EINVAL, "not a file"
     if stat.S_ISDIR(kind):
-        code, reason = errno.EISDIR, os.strerror(errno.EISDIR)
-    raise OSError(code, reason, str(path))
+        raise OSError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+    raise OSError(errno.EINVAL, "not a file", str(path))
 
 
 def read_file(path: Path | str, largest: int = LARGEST_TEXT) -> bytes:

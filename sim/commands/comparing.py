@@ -14,7 +14,7 @@ from sim import palette
 from sim.commands import options as cli
 from sim.endings import keeping
 from sim.errors import UsageError
-from sim.folder import RunFolder, blamed_on, claim, ensure_folder
+from sim.folder import RunFolder, blamed_on, claim, ensure_folder, new_file, whole
 from sim.progress import bar
 from sim.reports import comparison
 from sim.reports.tables import Table
@@ -22,6 +22,7 @@ from sim.runs.run import Run, read_run
 from sim.templates import render
 
 POSE = ("x", "y", "yaw")
+PICTURES = (".png", ".svg", ".pdf")
 KEY = "arrows from feet: a change of that leg\nfrom the middle: of body, floor, servos"
 
 
@@ -79,12 +80,13 @@ def _text(table: Table) -> str:
 
 def sensitivities(options: argparse.Namespace) -> None:
     """Print the table, and draw the picture if one is asked for."""
-    folder = cli.run_of(options)
+    folder, out = cli.run_of(options), options.out
+    path = None if out is None else new_file(Path(out), "picture", *PICTURES)
     with blamed_on(folder):
         run = read_run(folder)
         found = rows(run)
-    if options.out is not None:
-        draw(run, found, Path(options.out))
+    if path is not None:
+        draw(run, found, path)
     cli.report(options, found, render("sensitivities.txt", rows=found))
 
 
@@ -124,7 +126,8 @@ def draw(run: Run, found: Sequence[Mapping[str, Any]], path: Path) -> None:
     figure.legend(loc="outside right upper", title=KEY)
     title = f"How far the walk's end moves, drawn {scale:.3g} times as long"
     axes.set(xlabel="x [m], forward", ylabel="y [m], left", title=title)
-    figure.savefig(path, dpi=120, bbox_inches="tight")
+    with whole(path) as part:
+        figure.savefig(part, dpi=120, bbox_inches="tight")
 
 
 def _kind(row: Mapping[str, Any]) -> str:

@@ -57,13 +57,19 @@ def drive(options: argparse.Namespace) -> None:
 
 
 def _opened(files: ExitStack, name: str, mode: str, standard: IO[str]) -> IO[str]:
-    if mode == "w" and os.path.isfile(name):
+    nowhere = os.path.islink(name) and not os.path.exists(name)  # makes a file there
+    if mode == "w" and (os.path.isfile(name) or nowhere):
         raise UsageError("already exists", name, "give --commands another name")
-    return (
-        standard
-        if name == "-"
-        else files.enter_context(open(name, mode, encoding="utf-8"))
-    )
+    if name == "-":
+        return standard
+    file = open(name, mode, encoding="utf-8")  # noqa: SIM115 (closed below)
+    files.callback(_close, file)
+    return file
+
+
+def _close(file: IO[str]) -> None:
+    with suppress(OSError):  # that of a line which was sent has been told
+        file.close()
 
 
 class Poses:
@@ -110,9 +116,11 @@ def _pose(line: str) -> tuple[float, list[float]]:
     """Time and pose of a line; what it does not tell is NaN."""
     from math import isfinite, nan
 
-    table = json.loads(line)
+    table = json.loads(line, parse_int=float)
     values = [table["time"], *(table.get(key, nan) for key in ("x", "y", "yaw"))]
-    when, *pose = (nan if value is None else float(value) for value in values)
+    when, *pose = values = [nan if value is None else value for value in values]
+    if {type(value) for value in values} != {float}:
+        raise ValueError("not a number")
     if not isfinite(when) or any(abs(value) > 1e6 for value in pose):
         raise ValueError("a number is not finite, or beyond 1e6")
     return when, pose
@@ -139,8 +147,11 @@ class Link:
             try:
                 print(json.dumps({"time": when, "ctrl": ctrl}), file=self.commands)
                 self.commands.flush()
-            except BrokenPipeError as error:
+            except OSError as error:
                 what, remedy = "the robot stopped listening", "start it and drive again"
+                if not isinstance(error, BrokenPipeError):
+                    what = f"{self.commands.name} takes no commands, {error.strerror}"
+                    remedy = "give --commands another name"
                 raise FilesError(what, f"t = {when:.2f} s", remedy) from error
 
     def reading(self, walk: ServedWalk) -> list[float]:
@@ -163,8 +174,7 @@ class Link:
 
     def _since(self, moment: float) -> Iterator[list[float]]:
         """Poses that have come and are not older than a moment [s]."""
-        seconds = 1e-3 if self.pace else REPLY
-        while (told := self.poses.next(seconds)) is not None:
+        while told := self.poses.next(1e-3 if self.pace else REPLY):
             when, pose = told
             if when >= moment:
                 yield pose

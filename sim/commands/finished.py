@@ -14,8 +14,8 @@ from pathlib import Path
 from urllib.parse import urlsplit
 
 from sim.commands import options as cli
-from sim.errors import ExitCode, UsageError, exit_code
-from sim.folder import blamed_on, ensure_folder
+from sim.errors import ExitCode, exit_code
+from sim.folder import blamed_on, new_file
 from sim.progress import bar
 from sim.runs.run import Run, read_run
 
@@ -52,11 +52,10 @@ def _open(address: str, wanted: bool | None) -> None:
 
 def film(options: argparse.Namespace) -> None:
     """Film the run and print the film's path."""
-    path = _new_film(options.out)
-
     from sim.pictures.run_film import film_folder
 
-    folder = cli.run_of(options)
+    folder, out = cli.run_of(options), options.out
+    path = None if out is None else new_file(Path(out), "film", *FILMS)
     if folder != Path(options.run):  # none was named
         cli.notice("the film of a whole walk takes minutes; --to 5 films its first 5 s")
     with bar(quiet=options.json) as progress:
@@ -69,20 +68,6 @@ def film(options: argparse.Namespace) -> None:
             progress=partial(progress, "filming"),
         )
     cli.report(options, {"film": str(filmed)}, filmed)
-
-
-def _new_film(out: str | None) -> Path | None:
-    """The film that `--out` names, which must be new."""
-    if out is None:
-        return None
-    path = Path(out)
-    if path.suffix not in FILMS:
-        remedy = f"give a name in {' or '.join(FILMS)}"
-        raise UsageError("not a film's name", f"--out {out}", remedy)
-    if os.path.lexists(path):
-        raise UsageError("already exists", f"--out {out}", "give another name")
-    ensure_folder(path.parent, "film's folder")
-    return path
 
 
 def view(options: argparse.Namespace) -> None:

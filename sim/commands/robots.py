@@ -65,8 +65,12 @@ def adopt(options: argparse.Namespace) -> None:
         f"no card was found within {BUDGET:g} s of processor time: {options.robot}; "
         "leave parts out, or write its card by hand as docs/robots.md has it"
     )
-    with processor_time(BUDGET, too_long):
-        source, draft, setup, written = _adopted(options)
+    try:
+        with processor_time(BUDGET, too_long):
+            source, draft, setup, written = _adopted(options)
+    except FileExistsError as error:
+        remedy = "move it away: adopt overwrites no file"
+        raise UsageError("already exists", str(error.filename), remedy) from error
     found, files = facts_of(setup), [str(path) for path in written]
     path, external = source.path, setup.robot.opened.external
     told = {"written": files, "guesses": draft.guesses, "robot": found}
@@ -79,15 +83,15 @@ def _adopted(options: argparse.Namespace) -> tuple[Source, Draft, Setup, list[Pa
     source = source_of(options.robot, options.allow_external)
     card, picture = source.path.with_suffix(".toml"), source.path.with_suffix(".png")
     model = [] if source.text is None else [source.path]
-    for path in (card, picture, *model):
-        if os.path.lexists(path):  # a link may lead anywhere
-            raise UsageError(
-                "already exists", str(path), "move it away: adopt overwrites no file"
-            )
+    for path in filter(os.path.lexists, (card, picture, *model)):
+        raise FileExistsError(
+            0, "already exists", str(path)
+        )  # a link may lead anywhere
     with cli.working(options, "finding the legs"):
         draft = draft_card(source)
     from sim.figures.mechanism import save_standing  # loads matplotlib
 
+    card.touch(exist_ok=False)  # of two that adopt it at once, one goes on
     try:
         for path, text in ((source.path, source.text), (card, draft.card)):
             if text is not None:

@@ -62,6 +62,23 @@ def test_nothing_is_written_over(tmp_path, capsys, name):
     assert (tmp_path / name).read_text() == "mine"
 
 
+def test_of_two_that_adopt_a_robot_at_once_the_second_is_refused(
+    tmp_path, capsys, monkeypatch
+):
+    path, draft_card = SPIDER.write(tmp_path), robots.draft_card
+
+    def slowly(source):
+        found = draft_card(source)
+        (tmp_path / "spider.toml").write_text("of the first")
+        return found
+
+    monkeypatch.setattr(robots, "draft_card", slowly)
+    assert main(["adopt", str(path)]) == 2
+    assert "spider.toml; move it away: adopt" in capsys.readouterr().err
+    assert (tmp_path / "spider.toml").read_text() == "of the first"
+    assert names(tmp_path) == ["spider.toml", "spider.xml"]
+
+
 def test_refused_robot_leaves_no_file(tmp_path, capsys):
     path = SPIDER.write(tmp_path)
     # a trunk that touches things, and reaches to the floor on which it would stand

@@ -107,6 +107,9 @@ def test_poses_are_lines_and_what_they_do_not_tell_is_not_a_number():
         '{"time": "now"}',
         '{"time": NaN}',
         '{"time": 1, "x": 1e9}',
+        '{"time": "9_9"}',
+        '{"time": 1, "x": true}',
+        '{"time": 1, "yaw": "\u0661"}',
         "[" * 100_000,
     ],
 )
@@ -155,6 +158,20 @@ def test_no_file_is_written_over_with_commands(tmp_path, capsys):
     assert main([*way(), "--commands", str(path)]) == 2
     assert f"already exists: {path}; give --commands" in capsys.readouterr().err
     assert path.read_text() == "mine"
+
+
+def test_no_file_is_made_through_a_link_that_leads_nowhere(tmp_path, capsys):
+    path = tmp_path / "mine"
+    path.symlink_to(tmp_path / "elsewhere")
+    assert main([*way(), "--commands", str(path)]) == 2
+    assert f"already exists: {path}; give --commands" in capsys.readouterr().err
+    assert not (tmp_path / "elsewhere").exists()
+
+
+def test_what_takes_no_commands_is_named(capsys):
+    assert main([*way(), "--poses", os.devnull, "--commands", "/dev/full"]) == 6
+    said = "/dev/full takes no commands, No space left on device: t = 0.00 s; give"
+    assert said in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

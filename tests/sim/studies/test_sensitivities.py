@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from matplotlib.figure import Figure
 from models import MeasurementError
 from sim.commands import comparing
 from sim.compliant.phases import Phases
+from sim.errors import UsageError
 from sim.runs.run import read_run
 from sim.studies import sensitivities as library
 from sim.studies.sensitivities import (
@@ -94,12 +96,27 @@ def test_the_command_gives_a_row_for_each(walked, tmp_path, monkeypatch, capsys)
     found = [row | {"x": 1e-3, "y": -1e-3, "yaw": 0.01} for row in some]
     monkeypatch.setattr(comparing, "rows", lambda _: found)
     drawn = tmp_path / "above.png"
-    options = type("O", (), {"run": walked, "out": drawn, "json": True})
+    options = type("O", (), {"run": walked, "out": str(drawn), "json": True})
     comparing.sensitivities(options)
     assert json.loads(capsys.readouterr().out) == found
     assert drawn.stat().st_size > 1000
-    comparing.sensitivities(type("O", (options,), {"json": False}))
+    comparing.sensitivities(type("O", (options,), {"json": False, "out": None}))
     assert "1 mm     length of leg 3" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("name", ["", "x", "x.xyz", "x.tex", "taken.png"])
+def test_a_picture_that_cannot_be_made_is_refused_before_the_work(
+    walked, tmp_path, monkeypatch, name
+):
+    """Neither another name is written nor what a dangling link leads to."""
+    monkeypatch.chdir(tmp_path)
+    Path("taken.png").symlink_to("elsewhere.png")
+    monkeypatch.setattr(comparing, "rows", lambda _: pytest.fail("it works"))
+    options = type("O", (), {"run": walked, "out": name, "json": True})
+    said = "already exists" if name == "taken.png" else "not a picture's name: .*; give"
+    with pytest.raises(UsageError, match=said):
+        comparing.sensitivities(options)
+    assert [path.name for path in tmp_path.iterdir()] == ["taken.png"]
 
 
 def test_kinds_of_change_in_the_picture_differ_in_colour(walked, tmp_path, monkeypatch):
@@ -107,8 +124,13 @@ def test_kinds_of_change_in_the_picture_differ_in_colour(walked, tmp_path, monke
     found = [
         {"what": kind, "unit": "1 mm", "x": n, "y": 0} for n, kind in enumerate(kinds)
     ]
-    drawn = []
-    monkeypatch.setattr(Figure, "savefig", lambda self, *_, **__: drawn.append(self))
+    drawn, save = [], Figure.savefig
+
+    def kept(figure, path, **how):
+        drawn.append(figure)
+        save(figure, path, **how)
+
+    monkeypatch.setattr(Figure, "savefig", kept)
     comparing.draw(read_run(walked), found, tmp_path / "above.png")
     (legend,) = drawn[0].legends
     said = [text.get_text() for text in legend.get_texts()]
