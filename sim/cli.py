@@ -43,6 +43,9 @@ def _execute(words: Sequence[str]) -> int:
     except SystemExit as finished:  # --help
         return int(finished.code or ExitCode.OK)
     os.environ["MPLBACKEND"] = "agg"  # all figures are files, whatever others are
+    date = os.environ.get("SOURCE_DATE_EPOCH", "0")
+    if len(date) > 11 or not date.isdecimal():  # Matplotlib's files must do without it
+        del os.environ["SOURCE_DATE_EPOCH"]
     import logging  # slow to import, and of no use to `--help`
 
     logging.getLogger("matplotlib").setLevel(logging.ERROR)  # no word of its fonts

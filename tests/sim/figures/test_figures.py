@@ -272,3 +272,9 @@ def test_the_time_left_is_longer_for_its_work_where_one_process_draws_alone(
     assert time_left(40.0, 0.0) == 30.0
     assert time_left(40.0, 20.0) == 30.0
     assert time_left(40.0, 50.0) == pytest.approx(60.0)
+
+
+@pytest.mark.parametrize("date", ["abc", "9" * 20])
+def test_a_date_for_files_that_is_none_does_not_matter(tmp_path, monkeypatch, date):
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", date)
+    assert main(["figures", "--only", "mechanism", "--out", str(tmp_path / "o")]) == 0
