@@ -259,8 +259,7 @@ def servo_for(robot: Robot) -> Servo:
     """A servo that suits all leg joints of a robot."""
     pose = Pose.at(robot.model, robot.model.body(robot.root).id, robot.start_qpos)
     hips = np.array([pose.data.joint(name).xanchor[:2] for name in robot.swing_joints])
-    feet = Kinematics(robot).standing.feet
-    arm = float(np.linalg.norm(feet - hips, axis=1).max())
+    arm = float(np.linalg.norm(Kinematics(robot).standing.feet - hips, axis=1).max())
     return drafted_servo(pose, robot.card.joints, arm, len(robot.legs))
 
 

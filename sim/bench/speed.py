@@ -233,8 +233,7 @@ def simulation(setup: Setup) -> Iterator[Row]:
 
     def staged() -> None:
         sensors = Sensors(setup.model, setup.robot)
-        every = setup.scenario.sample_every
-        recorder = Recorder(Engine(setup.model), sensors, every)
+        recorder = Recorder(Engine(setup.model), sensors, setup.scenario.sample_every)
         recorder.walk_starts = 0
         for _ in recorder.play(np.split(ctrl, range(STRETCH, STEPS, STRETCH))):
             pass

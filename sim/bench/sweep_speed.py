@@ -89,8 +89,7 @@ def _times_of(scenario: Scenario, count: int) -> tuple[float, float]:
     with open_pool(count, None) as pool:
         list(pool.carry_out(tasks(0.5, 2 * count)))
         ours = seconds(lambda: list(pool.carry_out(tasks(0.7, TASKS))))
-        share = [TASKS // count] * count
-        bare = pool.client.map(stand, share, pure=False)
+        bare = pool.client.map(stand, [TASKS // count] * count, pure=False)
         return ours, max(pool.client.gather(bare))
 
 

@@ -81,8 +81,7 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
 
 def _draw_space(axes: Axes3D, states: Array) -> None:
     heading, heights = states[:, 2], states[:, -2:]
-    span = (heading.min() - 0.15, heading.max() + 0.15)
-    draw_sheets(axes, span)
+    draw_sheets(axes, (heading.min() - 0.15, heading.max() + 0.15))
     points = np.column_stack([heading, heights])
     draw_way(axes, points, [f.stratum for f in SEQUENCE for _ in range(STATES)])
     for number in range(len(SEQUENCE)):

@@ -106,8 +106,7 @@ def drawn(figure: str, kind: str, walks: Mapping[str, Walked] | None = None) -> 
         shown: Shown = getattr(module, kind)(axes, *data, **layout.arguments)
         for letter, panel in layout.panels.items():
             title = panel.title.format(**shown.words)
-            several = f"({letter}) " * (len(axes) > 1)
-            panel.finish(axes[letter], several + title)
+            panel.finish(axes[letter], f"({letter}) " * (len(axes) > 1) + title)
         canvas.suptitle(layout.title, x=0.01, ha="left", fontweight="bold")
         if layout.key:
             handles, labels = axes[layout.key].get_legend_handles_labels()

@@ -168,8 +168,7 @@ def _draw_node(axes: Axes, node: Node, note: str, framed: bool) -> Patch | None:
     box: Style = {"boxstyle": f"round,pad={pad}", "edgecolor": edge}
     box |= {"facecolor": "white" if framed else "none", "linewidth": framed * width}
     look: Style = {"fontsize": size, "color": colour, "ha": "center", "va": "center"}
-    written = axes.annotate(text, node.at, zorder=4, bbox=box, **look)
-    return written.get_bbox_patch()
+    return axes.annotate(text, node.at, zorder=4, bbox=box, **look).get_bbox_patch()
 
 
 def _draw_step(

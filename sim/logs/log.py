@@ -151,8 +151,7 @@ def read_log(
 def _table(path: Path) -> dict[str, Array]:
     """Columns of numbers by name, NaN where cells are empty."""
     text = read_file(path, LARGEST_LOG).decode("utf-8-sig", "replace")
-    first = text.partition("\n")[0]
-    parted = max(",;\t", key=first.count)
+    parted = max(",;\t", key=text.partition("\n")[0].count)
     lines = (row for row in csv.reader(text.splitlines(), delimiter=parted) if row)
     names = [name.strip() for name in next(lines, [])]
     if TIME not in names:
@@ -277,8 +276,7 @@ def _bridged(time: Array, angle: Array, joint: str, done: list[str]) -> Array:
 
 def _stacked(columns: Mapping[str, Array], names: Sequence[str]) -> Array | None:
     """Some columns, those that are missing without numbers; None if all are."""
-    found = [columns[name] for name in names if name in columns]
-    if not found:
+    if not (found := [columns[name] for name in names if name in columns]):
         return None
     empty = np.full(len(found[0]), nan)
     return np.stack([columns.get(name, empty) for name in names], axis=1)

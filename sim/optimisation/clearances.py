@@ -99,8 +99,7 @@ def near_pieces(setup: Setup, within: float) -> Iterator[Near]:
             ]
             if sides:
                 away = shapely.distance(shapely.points(corners), path)
-                reached = [corners[k] for k in np.flatnonzero(away < reach)]
-                yield Near(sides, reached)
+                yield Near(sides, [corners[k] for k in np.flatnonzero(away < reach)])
 
 
 def _distances(

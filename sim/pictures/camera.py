@@ -122,8 +122,7 @@ def camera(walk: Run, clock: Clock, view: View = ACROSS) -> Camera:
     """The camera of a whole film."""
     looks = _across(walk.nominal) if view.azimuth is None else view.azimuth
     azimuth, elevation = np.full(len(clock.rows), looks), view.elevation
-    seen = _seen(walk, clock)
-    centre, fitting = _fit(seen, looks, elevation)
+    centre, fitting = _fit(_seen(walk, clock), looks, elevation)
     distance = min(fitting, view.farthest * walk.reach)
     follow = min(1.0, 2 * (1 - distance / fitting))  # leaves room for the robot itself
     if follow > 0:

@@ -38,8 +38,7 @@ def schedule_flows(
     strokes = [flow for _, flow, _ in moves]
     entered: Sequence[tuple[str, ...]] = [*((f.stratum,) for f in strokes), (bottom,)]
     if gait:
-        system = setup.equations.system
-        entered = gait_steps(system, strokes, gait, (bottom, bottom))
+        entered = gait_steps(setup.equations.system, strokes, gait, (bottom, bottom))
     *before, after = entered
     for strata, (number, flow, direction) in zip(before, moves, strict=True):
         scheduler.segment = number

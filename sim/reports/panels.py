@@ -213,8 +213,7 @@ def _bars(axes: Axes, spells: Array, y: float, high: float, colour: str) -> None
         return
     x = spells[:, [0, 1, 1, 0]]
     upright = np.broadcast_to([y, y, y + high, y + high], x.shape)
-    corners = np.stack([x, upright], axis=-1)
-    shape = Path.make_compound_path_from_polys(corners)
+    shape = Path.make_compound_path_from_polys(np.stack([x, upright], axis=-1))
     axes.add_patch(PathPatch(shape, facecolor=colour, lw=0))
 
 

@@ -188,8 +188,7 @@ def mesh_of(model: mujoco.MjModel, geom: int) -> Mesh | None:
     elif kind == KIND.mjGEOM_CYLINDER:
         shape = make.cylinder(radius=size[0], height=2 * size[1], sections=sides)
     elif kind == KIND.mjGEOM_CAPSULE:
-        count = [sides, sides]
-        shape = make.capsule(radius=size[0], height=2 * size[1], count=count)
+        shape = make.capsule(radius=size[0], height=2 * size[1], count=[sides, sides])
     elif kind in (KIND.mjGEOM_SPHERE, KIND.mjGEOM_ELLIPSOID):
         shape = make.icosphere(subdivisions=2, radius=1.0)
         shape.apply_scale(size if kind == KIND.mjGEOM_ELLIPSOID else size[0])
