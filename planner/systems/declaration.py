@@ -19,10 +19,9 @@ from planner.systems.fields import (
     central_difference,
     sample_configurations,
 )
-from planner.systems.formulas import RESERVED, read_formula
+from planner.systems.formulas import HUGE, RESERVED, read_formula
 from planner.systems.level_sets import LevelSet
 
-HUGE = 1e100  # magnitude of a number; a product of three still fits a float
 Written = Any  # a field or formula as a caller writes it: numbers, strings, functions
 NAME = re.compile(r"[A-Za-z_]\w*")
 
@@ -164,10 +163,8 @@ def checked_level_sets(
                 )
         level_set, count = LevelSet(functions, state), len(functions)
         if functions and level_set.differential.rank() < count:
-            raise ValueError(
-                f"level sets of S{stratum} are not independent: "
-                f"{', '.join(map(str, functions))} (Def. 1)"
-            )
+            what = f"level sets of S{stratum} are not independent"
+            raise ValueError(f"{what}: {', '.join(map(str, functions))} (Def. 1)")
     return checked
 
 

@@ -106,7 +106,7 @@ def test_field_may_be_tangent_on_its_curved_stratum_alone():
             {"strata": {"1": {"g": [1, sp.nan]}}},
             "field g of S1 has nan, no real number",
         ),
-        ({"strata": {"1": {"g": ["1e308**1e308", 0]}}}, r"has 1\.\d+e\+\d+, no real"),
+        ({"strata": {"1": {"g": ["1e308**1e308", 0]}}}, r"has 1e\+308, no real"),
         ({"strata": {"1": {"g": ["(-1)**x", 0]}}}, r"has \(-1\)\*\*x, no real number"),
         ({"strata": {"1": {"g 1": [1, 0]}}}, "field name 'g 1' of S1: use letters"),
         (
