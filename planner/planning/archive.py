@@ -31,9 +31,7 @@ def system_table(system: StratifiedSystem) -> Table:
     """A system as a table of formulas; fields known as functions only are refused."""
     for name, field in system.fields.items():
         if isinstance(field, NumericField):
-            raise ValueError(
-                f"field {name} is a function, which cannot be written down"
-            )
+            raise ValueError(f"field {name} is a function, which cannot be written")
     written = {n: list(map(write_formula, f)) for n, f in system.fields.items()}
     sets = {s: list(map(write_formula, f)) for s, f in system.level_sets.items()}
     return {
@@ -53,9 +51,7 @@ def system_from(table: Table) -> StratifiedSystem:
     """The system that a table describes, as `system_table` gives it."""
     needed = {"state", "bottom", "strata"}
     for key in sorted(needed - table.keys()):
-        raise ValueError(
-            f"system lacks {key!r}; it has {', '.join(table) or 'nothing'}"
-        )
+        raise ValueError(f"system lacks {key!r}; it has {', '.join(table) or 'none'}")
     for key in sorted(table.keys() - needed - {"level_sets", "metric", "lifts"}):
         raise ValueError(f"system has the unknown key {key!r}")
     state = tuple(sp.Symbol(str(name), real=True) for name in table["state"])

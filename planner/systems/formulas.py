@@ -82,9 +82,8 @@ def _expression(node: ast.expr, names: Mapping[str, sp.Expr], text: str) -> sp.E
         inner = _expression(child, names, text)
         size = abs(inner).evalf() if inner.is_number else sp.S.Zero
         if _bits(inner) > MOST_BITS or (size.is_finite and size >= HUGE):
-            what = f"{_short(ast.unparse(child))} has {float(size)}"
-            which = f"no real number below {HUGE:.0e}, or one of over {MOST_BITS} bits"
-            raise ValueError(f"{what}, {which}")
+            what = f"{_short(ast.unparse(child))} has {float(size)}, no real number"
+            raise ValueError(f"{what} below {HUGE:.0e} in {MOST_BITS} bits")
         return inner
 
     match node:
