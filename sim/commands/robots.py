@@ -84,9 +84,7 @@ def _adopted(options: argparse.Namespace) -> tuple[Source, Draft, Setup, list[Pa
     card, picture = source.path.with_suffix(".toml"), source.path.with_suffix(".png")
     model = [] if source.text is None else [source.path]
     for path in filter(os.path.lexists, (card, picture, *model)):
-        raise FileExistsError(
-            0, "already exists", str(path)
-        )  # a link may lead anywhere
+        raise FileExistsError(0, "", str(path))  # a link may lead anywhere
     with cli.working(options, "finding the legs"):
         draft = draft_card(source)
     from sim.figures.mechanism import save_standing  # loads matplotlib
