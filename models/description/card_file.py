@@ -95,7 +95,7 @@ def _each(table: Table, key: str) -> Iterable[tuple[str, Table]]:
 
 
 def _leg_number(name: str) -> int:
-    if not name.isdecimal():
+    if not name.isdecimal() or name != str(int(name)):
         raise ValueError(f"leg.{name}: legs have numbers, such as [leg.1]")
     return int(name)
 

@@ -108,8 +108,9 @@ class Results:
             near = did_you_mean(name, self.columns)
             raise UsageError(f"no column {name!r}", "the table", near)
         given = self.columns[name]
-        if any(isinstance(value, str) for value in given):
-            raise UsageError(f"words in column {name!r}", "the table", "give numbers")
+        if any(type(value) not in (int, float, bool, type(None)) for value in given):
+            what = f"words or lists in column {name!r}"
+            raise UsageError(what, "the table", "give numbers")
         return np.array([np.nan if value is None else value for value in given], float)
 
 

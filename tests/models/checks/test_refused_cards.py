@@ -27,6 +27,7 @@ LEG = '1 = { swing = "swing_1", lift = "lift_1", raise = 1, foot = ["foot_1"] }'
         ("description =", "description = 1 #", "description must be a text, got 1"),
         (LEG, '1 = "swing_1"', "leg.1 must be a table, got 'swing_1'"),
         (LEG, LEG.replace("1 =", "front =", 1), "leg.front: legs have numbers"),
+        (LEG, LEG.replace("1 =", "01 =", 1), "leg.01: legs have numbers"),
         ('swing = "swing_1", ', "", "leg.1.swing is missing"),
         ('swing = "swing_1"', "swing = 1", "leg.1.swing must be a text, got 1"),
         ('"swing_1"', '"lift_1"', "leg.1: swing and lift are the same joint, lift_1"),

@@ -210,7 +210,11 @@ FOREIGN = {
     "no such column": (foreign(column("friction"), ["hold"]), "varies, hold"),
     "words for numbers": (
         foreign(column("path_length", "long"), ["path_length"]),
-        "words in column",
+        "words or lists in column 'path_length'",
+    ),
+    "lists for numbers": (
+        foreign(column("path_length", [1.0]), ["path_length"]),
+        "words or lists in column 'path_length'",
     ),
     "no settings": (foreign({"x": [1]}), "varies, friction, point, status"),
     "too many values": (
