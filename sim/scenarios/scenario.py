@@ -12,7 +12,7 @@ import numpy as np
 from planner.support import did_you_mean
 from sim.errors import UsageError
 from sim.scenarios.body_path import NominalPath
-from sim.scenarios.declaration import Effect, Setting
+from sim.scenarios.declaration import Effect, Setting, accept
 from sim.scenarios.obstacles import Obstacle
 from sim.scenarios.predictions import COMPLIANT, imperfect, prediction_key, told
 from sim.scenarios.settings import IMPERFECTIONS, SETTINGS, Settings
@@ -20,7 +20,9 @@ from sim.scenarios.settings import IMPERFECTIONS, SETTINGS, Settings
 if TYPE_CHECKING:
     from models import Robot
 
-REMARKS = ("source", "errors")  # under [fitted] of a card, beside settings
+FITTED = ("friction", "payload", "slope", "servo_stiffness", "servo_damping",
+          "command_delay", "dead_band", "backlash", "zero_offset")  # fmt: skip
+"""What `stratawalk fit` writes under [fitted] of a card; all else is of scenarios."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -147,15 +149,13 @@ def drawn(scenario: Scenario, robot: Robot) -> Scenario:
 
 
 def _fitted(scenario: Scenario, robot: Robot) -> Scenario:
-    told: dict[str, Any] = {
-        key: tuple(value) if isinstance(value, list) else value
-        for key, value in robot.card.fitted.items()
-        if key not in REMARKS
-    }
-    for key in told.keys() - SETTINGS.keys():
-        what = f"[fitted] has no key {key!r}"
-        remedy = did_you_mean(key, [*SETTINGS, *REMARKS])
-        raise UsageError(what, f"the card of {robot}", remedy)
-    open_ = {k for k in told if getattr(scenario, k) == SETTINGS[k].default}
-    found = {key: told[key] for key in open_}
+    card, known = f"the card of {robot}", (*FITTED, "source", "errors")
+    found: dict[str, Any] = {}
+    for key, value in robot.card.fitted.items():
+        if key not in known:
+            what = f"[fitted] has no key {key!r}"
+            raise UsageError(what, card, did_you_mean(key, known))
+        if key in FITTED and getattr(scenario, key) == SETTINGS[key].default:
+            kind, allowed = SETTINGS[key].kind, SETTINGS[key].allowed
+            found[key] = accept(value, kind, allowed, card, key)
     return replace(scenario, **found) if found else scenario

@@ -12,17 +12,20 @@ from sim.errors import SimulationError, UsageError
 from sim.fitting.estimate import Estimates, Parameter, estimate, pooled
 from sim.fitting.fitting import (
     MAKE,
+    OWN,
+    SHARED,
     JointFit,
     fit_joints,
     fit_servos,
     one_make,
     servos,
 )
+from sim.fitting.poses import SETTINGS as OF_THE_BODY
 from sim.fitting.servo_law import Commanded
 from sim.logs.log import Log, written
 from sim.preparation.setup import prepare
 from sim.scenarios.file import load_scenario
-from sim.scenarios.scenario import drawn
+from sim.scenarios.scenario import FITTED, drawn
 
 STEP, LASTING, EVERY = 0.004, 6.0, 5  # [s], [s], steps from row to row
 NOISE = np.radians(0.05)
@@ -228,13 +231,24 @@ def test_what_cannot_be_fitted_is_refused(
     assert message in capsys.readouterr().err
 
 
-def test_a_card_with_an_unknown_setting_is_refused():
+REFUSED = {
+    "an unknown key": ({"frictoin": 0.5}, r"\[fitted\] has no key 'frictoin'.*'fricti"),
+    "a file to open": ({"motion": "a.csv"}, "no key 'motion': the card of hexapod; "),
+    "an imperfection that no fit finds": ({"imperfect": "hobby"}, "no key 'imperfect'"),
+    "a load in words": ({"payload": "big"}, "payload = 'big' is .*: the card of hexa"),
+}
+
+
+@pytest.mark.parametrize(("fitted", "said"), REFUSED.values(), ids=REFUSED)
+def test_a_card_with_a_setting_that_no_fit_writes_is_refused(fitted, said):
     robot = load("hexapod")
-    odd = replace(robot, card=replace(robot.card, fitted={"frictoin": 0.5}))
-    with pytest.raises(
-        UsageError, match=r"\[fitted\] has no key 'frictoin'.*'friction'"
-    ):
+    odd = replace(robot, card=replace(robot.card, fitted=fitted))
+    with pytest.raises(UsageError, match=said):
         drawn(load_scenario("line"), odd)
+
+
+def test_cards_may_have_all_settings_that_a_fit_writes():
+    assert {*FITTED} == {*SHARED.values(), *OWN.values(), *OF_THE_BODY}
 
 
 def test_exact_measurements_of_what_looks_the_same_can_still_be_pooled():
