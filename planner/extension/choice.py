@@ -6,9 +6,10 @@ degree comes first, then few contact switches, then distance from linear depende
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import islice, pairwise, product
 
 import numpy as np
@@ -106,8 +107,7 @@ def choose_elements(
         even = _even([*fields, *brackets])
         begun = [c for f in first for c in even if c.name == f.name]
         chosen = _enlarged(begun, even[len(fields) :], system, x)
-        ranks = [Q.shape[1] for Q in _spans(chosen, x)]
-        if min(ranks) == system.bottom_dimension:
+        if min(Q.shape[1] for Q in _spans(chosen, x)) == system.bottom_dimension:
             return _explained(system, chosen, x)
     plain = [c.measured(1.0 / system.weights) for c in chosen]
     spans = _spans(plain, x)  # each configuration for itself
@@ -116,14 +116,14 @@ def choose_elements(
     if ranks[worst] == system.bottom_dimension:
         return _explained(system, chosen, x)
     reached = column_space(spans[worst] / system.weights[:, None])
-    missing = system.missing(reached, x[worst])
     needed = system.bottom_dimension
     more = involutive_closure(usable, system.state, x[worst], 2 * max_degree, needed)
     enough = more.depth if more.rank == needed else None
-    raise RankError(x[worst], needed, missing, enough)
+    raise RankError(x[worst], needed, system.missing(reached, x[worst]), enough)
 
 
-def _usable_fields(system: StratifiedSystem) -> dict[str, VectorField]:
+@lru_cache(maxsize=32)
+def _usable_fields(system: StratifiedSystem) -> Mapping[str, VectorField]:
     """Fields that are tangent to the bottom stratum without correction."""
     usable: dict[str, VectorField] = {}
     for name, field in system.fields.items():
@@ -216,5 +216,4 @@ def _explained(
     matrices = np.stack([candidate.columns for candidate in plain], axis=-1)
     singular = np.linalg.svd(matrices, compute_uv=False)
     condition = (singular[:, 0] / singular[:, system.bottom_dimension - 1]).max()
-    names = tuple(candidate.name for candidate in chosen)
-    return Choice(names, float(condition), tuple(reasons))
+    return Choice(tuple(c.name for c in chosen), float(condition), tuple(reasons))

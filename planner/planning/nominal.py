@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from functools import lru_cache
 from numbers import Integral
 from typing import Protocol
 
@@ -17,8 +18,8 @@ from numpy.polynomial import chebyshev
 
 from planner.errors import PlannerError, ResolutionError, point
 from planner.execution.execution import Execution
-from planner.extension.choice import choose_elements
-from planner.extension.extended import ExtendedSystem, extend
+from planner.extension.choice import Choice, choose_elements
+from planner.extension.extended import KEPT, ExtendedSystem, extend
 from planner.numerics.arrays import ROUNDING, Array
 from planner.numerics.collocation import collocation
 from planner.planning.paths import Path, grid
@@ -119,9 +120,13 @@ def extend_along(
             raise ValueError("elements are given twice: the system is extended already")
         return system
     if elements is None:
-        (samples,) = sample(path, system, 1, CHOICE_NODES)
-        elements = choose_elements(system, samples)
+        elements = _chosen(system, sample(path, system, 1, CHOICE_NODES).tobytes())
     return extend(system, elements)
+
+
+@lru_cache(maxsize=KEPT)
+def _chosen(system: StratifiedSystem, samples: bytes) -> Choice:
+    return choose_elements(system, np.frombuffer(samples).reshape(-1, system.dimension))
 
 
 def fictitious_inputs_along(extended: ExtendedSystem, samples: Array) -> Array:

@@ -99,6 +99,21 @@ def test_plan_without_elements_chooses_them():
     assert rollout(chosen)[-1] == pytest.approx(rollout(given)[-1], abs=1e-13)
 
 
+def test_elements_are_chosen_once_for_each_system_and_path(monkeypatch):
+    asked = []
+
+    def choose(system, samples):
+        asked.append(samples)
+        return choose_elements(system, samples)
+
+    monkeypatch.setattr("planner.planning.nominal.choose_elements", choose)
+    system = hexapod()
+    for goal in ([1, 1, 0, 0, 0], [1, 1, 0, 0, 0], [0, 1, 0, 0, 0]):
+        plan(system, line(np.zeros(5), goal), 4)
+    assert len(asked) == 2
+    assert asked[1][-1] == pytest.approx([0, 1, 0, 0, 0])
+
+
 def test_what_cannot_be_spanned_is_refused():
     with pytest.raises(RankError, match=r"rank 1 of 2 at \(0, 0\)"):
         choose_elements(flat_power(5), [0, 0], max_degree=3)
