@@ -63,8 +63,7 @@ def load(
         opened = inspect_model(path, cards, allow_external)
     text, source = _card(path, beside)
     borrowed = Path(source).stem if Path(source).parent == FOLDER != path.parent else ""
-    card = parse_card(text, source)
-    robot = Robot(path.stem, path, text, card, opened, borrowed)
+    robot = Robot(path.stem, path, text, parse_card(text, source), opened, borrowed)
     if geometry:
         robot = _variant(robot, geometry)
     try:

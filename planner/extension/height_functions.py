@@ -62,8 +62,7 @@ class StratifiedPanels:
         first, second = (
             start + side * (nodes + 1) / 2 for start, side in zip(low, by, strict=True)
         )
-        grid = np.meshgrid(first, second, indexing="ij")
-        values = self.at(coordinate, *grid)
+        values = self.at(coordinate, *np.meshgrid(first, second, indexing="ij"))
         return float(weights @ values @ weights) * by[0] * by[1] / 4
 
     def loop(self, by: Sequence[float]) -> tuple[Flow, Flow, Flow, Flow]:

@@ -93,8 +93,7 @@ def _follow(
     (left,) = np.nonzero(np.isnan(ends[:, 0]) & np.isfinite(x).all(axis=1))
     if len(left) and halvings:
         half = durations[left] / 2, rule, halvings - 1
-        middle = _follow(field, x[left], *half)
-        ends[left] = _follow(field, middle, *half)
+        ends[left] = _follow(field, _follow(field, x[left], *half), *half)
     return ends
 
 

@@ -144,8 +144,7 @@ class Optimiser:
         _ = self._solutions
         with unlimited():  # what was found in time is not to be lost now
             best = self._best
-            flows = best._refined(best._solutions, goal)
-            joined = [merged(part) for part in flows]
+            joined = [merged(part) for part in best._refined(best._solutions, goal)]
         nominal = self.path.at(np.linspace(0.0, 1.0, self.segments + 1))
         nominal[-1] = goal
         elements, basis = self.extended.elements, self.extended.steering.basis

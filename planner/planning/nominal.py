@@ -101,8 +101,7 @@ def sample(path: Path, system: StratifiedSystem, segments: int, nodes: int) -> A
             f"{bottom.functions[i]} is not 0 at {point(values[k])}"
         )
     starts = values[:-1].reshape(segments, nodes - 1, -1)
-    ends = values[nodes - 1 :: nodes - 1, None]
-    return np.concatenate([starts, ends], axis=1)
+    return np.concatenate([starts, values[nodes - 1 :: nodes - 1, None]], axis=1)
 
 
 def extend_along(

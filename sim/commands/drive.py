@@ -43,8 +43,7 @@ def drive(options: argparse.Namespace) -> None:
         link.send(walk, walk.stand())
         for segment in range(walk.setup.scenario.segments):
             link.send(walk, walk.walk(segment))
-            stop = walk.seen(segment, link.reading(walk))
-            x, y, yaw = stop.thought
+            x, y, yaw = walk.seen(segment, link.reading(walk)).thought
             cli.notice(
                 f"segment {segment + 1} of {walk.setup.scenario.segments}: estimated "
                 f"at {x:z.4f} m, {y:z.4f} m, {yaw:z.3f} rad",

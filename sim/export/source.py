@@ -124,8 +124,7 @@ def play(
     moments, walking = recording.moments, steps >= starts
     kept = np.isin(moments.step, steps[walking])
     address = source.robot.root_address_in(source.model)
-    origin = run.arrays[START]
-    poses = seen_from(origin, pose_of(moments.qpos[kept], address))
+    poses = seen_from(run.arrays[START], pose_of(moments.qpos[kept], address))
     slip = moments.slip[-1] - recording.slip_after(starts)
     summary, goal = run.summary, run.summary.goal
     lengths = summary.path_length, summary.distance_walked

@@ -157,8 +157,7 @@ def polygon_margin(stance: PaperStance, tripod: int, phi: Array, b: Array) -> Ar
     """
     weight = np.stack([stance.body_length / 2 - b, np.zeros_like(b)], axis=-1)
     feet = stance.feet(tripod, phi)
-    standing = np.ones(feet.shape[:-1], dtype=bool)
-    return stability_margin(feet, standing, weight)
+    return stability_margin(feet, np.ones(feet.shape[:-1], dtype=bool), weight)
 
 
 @dataclass(frozen=True)
