@@ -15,6 +15,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import prod
 from pathlib import Path
+from types import NoneType
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,7 @@ import numpy as np
 from planner import Array
 from planner.support import did_you_mean
 from sim.errors import UsageError
+from sim.scenarios.declaration import refusal
 from sim.scenarios.predictions import PREDICTIONS
 from sim.sweeps.folder import SIDE_BY_SIDE, SweepFolder
 from sim.sweeps.table import read_table
@@ -29,6 +31,7 @@ from sim.templates import render
 
 LIMITS = (0.01, 0.03, 0.10)
 """Shares of the path within which predictions hold."""
+MOST = 1e12  # in any number of a table
 SEPARATE = 12  # values, of which each is a group of its own
 BINS = (4, 24)  # groups of neighbouring values otherwise, at least and at most
 EACH = 12  # points that a group should have
@@ -108,9 +111,7 @@ class Results:
             near = did_you_mean(name, self.columns)
             raise UsageError(f"no column {name!r}", "the table", near)
         given = self.columns[name]
-        if any(type(value) not in (int, float, bool, type(None)) for value in given):
-            what = f"words or lists in column {name!r}"
-            raise UsageError(what, "the table", "give numbers")
+        _require(name, given, "numbers from 0", int, float, NoneType)
         return np.array([np.nan if value is None else value for value in given], float)
 
 
@@ -127,10 +128,25 @@ def read_results(path: Path, prediction: str) -> Results:
         what = f"it does not say what varies, {', '.join(strange + lacking)}"
         raise UsageError(what, str(file), "give the table that a sweep has written")
     columns.setdefault("verdict", [None] * len(columns["point"]))
+    _require("point", columns["point"], "whole numbers from 0", int)
+    _require("status", columns["status"], "texts", str)
+    _require("verdict", columns["verdict"], "texts", str, NoneType)
+    for key in keys:
+        _require(key, columns[key], "one value", bool, int, float, str, least=-MOST)
     results = Results(columns, keys, prediction, asked or {})
     if results.walked.any():
         results.column(f"error.{prediction}.farthest")
     return results
+
+
+def _require(
+    name: str, values: Sequence[object], wanted: str, *kinds: type, least: float = 0.0
+) -> None:
+    """Refuse a column with a value of another type, or a number out of bounds."""
+    for row, value in enumerate(values):
+        number = value if isinstance(value, int | float) else least
+        if type(value) not in kinds or not least <= number <= MOST:
+            raise refusal(value, wanted, "the table", f"row {row} of column {name!r}")
 
 
 def explained(values: Sequence[object], results: Array, exact: bool) -> float | None:

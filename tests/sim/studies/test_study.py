@@ -196,26 +196,41 @@ def foreign(columns, vary=("friction",), text=None, **more):
 def column(name, value=0.5, rows=3, kind=None):
     words = ["ok"] * rows
     plain = {"point": [*range(rows)], "status": words, "path_length": [0.1] * rows}
-    known = {
-        "distance_walked": [0.1] * rows,
-        "error.quasi_static.farthest": [0.1] * rows,
-    }
+    known = {"distance_walked": [0.1] * rows, FARTHEST_OFF: [0.1] * rows}
     return plain | known | {name: pa.array([value] * rows, kind)}
 
 
+def of(name, values):
+    """A table that is as it should be but for one of its columns."""
+    return foreign({**column("friction"), name: values})
+
+
+FARTHEST_OFF = "error.quasi_static.farthest"
 FOREIGN = {
     "a file outside": (foreign(column("x/../../evil"), ["x/../../evil"]), "x/.."),
     "nothing that varies": (foreign(column("friction"), asked={}), "does not say"),
     "numbers for a plan": (foreign(column("friction"), asked=5), "does not say"),
     "no such column": (foreign(column("friction"), ["hold"]), "varies, hold"),
     "words for numbers": (
-        foreign(column("path_length", "long"), ["path_length"]),
-        "words or lists in column 'path_length'",
+        of("path_length", ["long"] * 3),
+        "row 0 of column 'path_length' = 'long' is not allowed: the table; give num",
     ),
     "lists for numbers": (
-        foreign(column("path_length", [1.0]), ["path_length"]),
-        "words or lists in column 'path_length'",
+        of("path_length", [[1.0]] * 3),
+        "row 0 of column 'path_length' = [1.0] is not allowed",
     ),
+    "a length below 0": (of("path_length", [0.1, -1.0, 0.1]), "row 1 of column 'path_"),
+    "truths for numbers": (of("path_length", [True] * 3), "'path_length' = True is no"),
+    "a distance that is none": (of(FARTHEST_OFF, [0.1, 0.1, np.nan]), "row 2 of colum"),
+    "an endless distance": (of(FARTHEST_OFF, [0.1, np.inf, 0.1]), "give numbers from"),
+    "statuses that are numbers": (of("status", [np.nan] * 3), "'status' = nan is not"),
+    "statuses that are truths": (of("status", [True] * 3), "'status' = True is not"),
+    "statuses in lists": (of("status", [["ok"]] * 3), "row 0 of column 'status' = ['o"),
+    "a point below 0": (of("point", [0, -1, 2]), "row 1 of column 'point' = -1 is not"),
+    "a point that is none": (of("point", [0, None, 2]), "'point' = None is not all"),
+    "half a point": (of("point", [0.0, 0.5, 1.0]), "'point' = 0.0 is not allowed"),
+    "a verdict in a list": (of("verdict", [None, ["fell"], None]), "1 of column 'ver"),
+    "a setting without end": (of("friction", [0.1, 0.2, np.inf]), "'friction' = inf"),
     "no settings": (foreign({"x": [1]}), "varies, friction, point, status"),
     "too many values": (
         foreign({str(i): pa.nulls(10**5) for i in range(401)}),
