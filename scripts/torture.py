@@ -67,8 +67,7 @@ class Row:
         for name, content in self.files.items():
             _write(folder / name, text_of(content))
         given = dict(env) | {"ROBOTS": str(ROBOTS)}
-        words = ["sh", "-euc", self.prepare]
-        subprocess.run(words, cwd=folder, env=given, check=True)
+        subprocess.run(["sh", "-euc", self.prepare], cwd=folder, env=given, check=True)
 
     def wrong(self, end: Ending) -> str:
         """What is not as it must be, in words; empty if all is."""

@@ -115,8 +115,7 @@ def draft_card(source: Source) -> Draft:
         angles[limb.swing] = pose.angle(limb.swing) + limb.turn * float(turn)
     pose.turn(angles)
     if not isinstance(way, Crawl):
-        lift = drafted_lift(pose, limbs)
-        reach = free_reach(pose, limbs, gait.swings, lift, name)
+        reach = free_reach(pose, limbs, gait.swings, drafted_lift(pose, limbs), name)
         gait = alternating(limbs, way, reach)
     joints = [joint for limb in limbs for joint in limb.joints]
     arm = max(float(np.linalg.norm(limb.toe[:2] - limb.hip)) for limb in limbs)

@@ -175,8 +175,7 @@ class Card:
         self._check_gait()
         self._check_patterns()
         for joint in self.joint_servos.keys() - {*self.joints}:
-            known = unknown(joint, self.joints)
-            raise ValueError(f"servo.{joint}: this joint {known}")
+            raise ValueError(f"servo.{joint}: this joint {unknown(joint, self.joints)}")
         if not 0 <= (least := self.least_load) < 1 / 3:
             raise ValueError(
                 f"least_load is a share of the weight below 1/3, got {least}"

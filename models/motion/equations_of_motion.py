@@ -62,8 +62,7 @@ def walking_system(
     fields: dict[str, dict[str, list[sp.Expr]]] = {name: {} for name, _ in contacts}
     for swing in swings:
         velocity = _velocity(swing.twist or STILL, trailer)
-        angles = map(_exact, swing.direction)
-        column = [*velocity, *angles, *[sp.S.Zero] * len(height)]
+        column = [*velocity, *map(_exact, swing.direction), *[sp.S.Zero] * len(height)]
         fields[swing.stratum][swing.name] = column
     level_sets = {}
     for stratum, standing in contacts if heights else ():

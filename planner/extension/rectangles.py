@@ -216,8 +216,7 @@ class Rectangles:
     @cached_property
     def _tops(self) -> list[int]:
         """Places of the brackets of the highest degree that move anything."""
-        every = enumerate(self.hall.elements)
-        tops = [(j, e) for j, e in every if degree(e) == DEGREE]
+        tops = [(j, e) for j, e in enumerate(self.hall.elements) if degree(e) == DEGREE]
         return [j for j, e in tops if e not in self.hall.vanishing]
 
     @cached_property

@@ -96,8 +96,7 @@ def cycle(system: StratifiedSystem, elements: Sequence[str]) -> tuple[Stage, ...
         for recovery in found:
             if recovery.coordinate in left:
                 left.discard(recovery.coordinate)
-                place = system.stratum_of[recovery.field]
-                stages.append(Stage(place, "", (recovery,)))
+                stages.append(Stage(system.stratum_of[recovery.field], "", (recovery,)))
     return tuple(stages)
 
 

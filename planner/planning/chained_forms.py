@@ -88,8 +88,7 @@ class ChainedForm:
             z[2:], lambda inner, _: f"[{AHEAD},{inner}]", initial=TURN
         )
         bottom = self.system.bottom
-        model = StratifiedSystem(z, {bottom: fields}, bottom)
-        return extend(model, [AHEAD, *brackets])
+        return extend(StratifiedSystem(z, {bottom: fields}, bottom), [AHEAD, *brackets])
 
     @cached_property
     def _functions(self) -> CompiledFields:

@@ -133,8 +133,7 @@ def _misses(
         extended.system.state,
         [longer.names[j] for j in beyond],
     )
-    coordinates = exponential(steering.hall.elements, leading)
-    spelled = steering.speller(coordinates, samples)
+    spelled = steering.speller(exponential(steering.hall.elements, leading), samples)
     words = [
         (x, word) for w in wordings for x, word in zip(samples, spelled(w), strict=True)
     ]

@@ -148,8 +148,7 @@ def _packages() -> str:
         said = ", ".join(what for _, what in differ[:SHOWN])
         more = f", and {len(differ) - SHOWN} more" if differ[SHOWN:] else ""
         anew = " ".join(f"'{wanted}'" for wanted in dict(differ))
-        remedy = f"{REINSTALL} --no-deps {anew}"
-        raise FilesError(said + more, "packages", remedy)
+        raise FilesError(said + more, "packages", f"{REINSTALL} --no-deps {anew}")
     return "versions as wanted, every file as it was installed"
 
 

@@ -51,9 +51,8 @@ def fit(options: argparse.Namespace) -> None:
             parts["servos"] = _of_servos(fit)
         if walked is not None:
             delay, _ = told.get("command_delay", (0.0, 0.0))
-            late = replace(walked, times=walked.times - delay)
             with stage(progress, "fitting what moves the body"):
-                body = fit_poses(late)
+                body = fit_poses(replace(walked, times=walked.times - delay))
             told = {**body.settings, **told}
             missed = {"before": body.before, "after": body.after}
             found = {"unseen": body.found.unseen(), "held_out": missed}

@@ -28,8 +28,7 @@ class Places:
     def lever(self) -> Array:
         """Motion of the points by the joints, (B, F, 3 K, J) [m/rad]."""
         spoke = self.arm[:, :, :, None] - self.anchor[:, :, None]  # (B, F, K, J, 3)
-        moved = cross(self.axis[:, :, None], spoke)
-        rows = np.swapaxes(moved, 3, 4)
+        rows = np.swapaxes(cross(self.axis[:, :, None], spoke), 3, 4)
         return rows.reshape(*rows.shape[:2], -1, rows.shape[4])
 
     @property

@@ -77,8 +77,7 @@ def read_header(text: str, table: ServoTable) -> ServoCommands:
         raise ValueError(f"channels {found} are not those of the servo table")
     digits = "".join(line[1:-1] for line in packed[1].splitlines())
     digits = re.sub(r"\\(.)", r"\1", digits)
-    counts = unpack(digits, int(sizes["JOINTS"]))
-    return table.commands(counts, float(sizes["RATE"]))
+    return table.commands(unpack(digits, int(sizes["JOINTS"])), float(sizes["RATE"]))
 
 
 def _literal(digits: str) -> str:

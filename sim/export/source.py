@@ -129,8 +129,7 @@ def play(
     summary, goal = run.summary, run.summary.goal
     lengths = summary.path_length, summary.distance_walked
     predicted = {key: found[walking] for key, found in run.predicted.items()}
-    reach = Kinematics(source.robot).reach
-    scale = Scale.of(run.scenario.path, reach, predicted)
+    scale = Scale.of(run.scenario.path, Kinematics(source.robot).reach, predicted)
     return Played(
         pose=poses[-1].tolist(),
         min_margin=recording.least_margin,

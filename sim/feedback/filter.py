@@ -230,8 +230,7 @@ class Feedback:
 
     def _gate(self, off: Array, seeing: Array, doubt: Array, told: Array) -> Array:
         """Variance of a reading, raised where it is farther off than it should be."""
-        across = np.swapaxes(seeing, -1, -2)
-        total = seeing @ self.covariance @ across + doubt
+        total = seeing @ self.covariance @ np.swapaxes(seeing, -1, -2) + doubt
         solved = np.linalg.solve(total, off[..., None])[..., 0]
         beyond = (off * solved).sum(axis=-1) / GATE
         self._strange = np.where(beyond > 1, self._strange + 1, self._strange * ~told)

@@ -105,8 +105,7 @@ def _draw_height(
     low, high = levels[[0, -1]]
     inner = MaxNLocator(nbins=4, steps=[1, 2, 5, 10]).tick_values(low, high)
     apart = ENDS * (high - low)  # of ticks, so that their numbers do not meet
-    within = [t for t in inner if low + apart < t < high - apart]
-    at = [low, *within, high]
+    at = [low, *[t for t in inner if low + apart < t < high - apart], high]
     bar = axes.figure.colorbar(drawn, ax=axes, shrink=0.9, ticks=at, format="{x:.3g}")
     bar.set_label(f"[{unit}/rad$^2$]")
     bar.ax.tick_params(labelsize=6)

@@ -98,8 +98,7 @@ class Judge:
         """State predicted after the flows, shape (n,)."""
         schedule, pose = self.schedule([flows]), np.zeros(3)
         if schedule.phases:
-            predictor = self._predictor(schedule)
-            pose = predictor(np.array([schedule.stop - 1])).pose[0]
+            pose = self._predictor(schedule)(np.array([schedule.stop - 1])).pose[0]
         return self.setup.state(pose, schedule.end.swing)
 
     def stepped(self, segments: Sequence[Sequence[Flow]]) -> list[list[Flow]]:

@@ -174,8 +174,7 @@ class Recorder:
         self._touches.read(sensordata)
         self._own_touches.read(sensordata)
         readings = self._sensors.read(sensordata)
-        touching = readings.force > 0
-        point = last_touched(readings.point, touching, self._touched)
+        point = last_touched(readings.point, readings.force > 0, self._touched)
         self._touched = point[-1:].copy()
         self._pending.append(
             Sensed(

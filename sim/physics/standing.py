@@ -83,9 +83,8 @@ def _blame_the_timestep(
     """Refuse the timestep instead, if the robot stands at a shorter one."""
     asked = model.opt.timestep
     for timestep in (step for step in SHORTER if step < asked):
-        finer = with_timestep(model, timestep)
         with suppress(ModelError):
-            _check_standing(kinematics, finer, lift)
+            _check_standing(kinematics, with_timestep(model, timestep), lift)
             remedy = f"give at most {timestep:g}, at which the robot stands"
             falls = f"servos of {kinematics.robot} are unstable, and the robot falls"
             what = f"timestep = {asked:g} is too long: the {falls}"
@@ -169,8 +168,7 @@ class _Standing:
 
     def aloft(self) -> Iterator[tuple[str, str]]:
         """Legs whose feet touch nothing."""
-        feet = self._feet
-        aloft = {*self.robot.legs} - {feet.get(own) for own, _ in self._touched()}
+        aloft = {*self.robot.legs} - {self._feet.get(own) for own, _ in self._touched()}
         if not aloft:
             return
         what = f"the foot of leg {min(aloft)} touches nothing"

@@ -148,8 +148,7 @@ def _bar(walk: Run, playback: float) -> Panel:
         text(draw, (end, 54), label, anchor="ra", colour=palette.FAINT)
 
     def write(draw: Draw, row: int) -> None:
-        flow = walk.phases[walk.phase[row]]
-        words = describe(flow, walk.groups, walk.legs_per_group)
+        words = describe(walk.phases[walk.phase[row]], walk.groups, walk.legs_per_group)
         text(draw, (PAD, 12), fitting(words, ends[-1] - COLUMN - PAD, MIDDLE), MIDDLE)
         for foot, leg in enumerate(walk.legs):
             colour = palette.group(walk.group_of_foot[foot])

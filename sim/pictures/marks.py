@@ -154,9 +154,8 @@ def _thought(walk: Run, clock: Clock) -> Mark:
     """Where feedback thought the body to be, from each stop on."""
     rows = np.searchsorted(walk.time, [stop.time for stop in walk.stops])
     frames = clock.frame_of(np.minimum(rows, len(walk.time) - 1))
-    width = THOUGHT.width * walk.reach
     lines = (
-        ribbon(outline, np.full(len(outline), frame), width)
+        ribbon(outline, np.full(len(outline), frame), THOUGHT.width * walk.reach)
         for outline, frame in zip(walk.thought, frames, strict=False)
     )
     return Mark(THOUGHT.label, join(lines), THOUGHT.colour)

@@ -202,8 +202,7 @@ class MarginBound:
             if most <= self.least:
                 raise self._refusal(stratum, most, float(margins.min()))
             standing[:] = most - self.least
-        left = margins - self.least
-        return Slack("min_margin", self.least, standing, left, unit="m")
+        return Slack("min_margin", self.least, standing, margins - self.least, unit="m")
 
     def _refusal(self, stratum: str, standing: float, walking: float) -> BoundError:
         cannot = f"min_margin of {self.least:.4g} m cannot be kept: "

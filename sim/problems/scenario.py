@@ -236,12 +236,11 @@ class ScenarioProblem(Problem):
     @cached_property
     def _optimiser(self) -> Optimiser:
         setup = self.setup
-        path = setup.equations.configurations(setup.scenario.path.undivided)
         return Optimiser(
             task_of(setup, self.within),
             criterion_of(setup),
             setup.extended,
-            path,
+            setup.equations.configurations(setup.scenario.path.undivided),
             self.segments,
             execution=setup.equations.execution,
             report=lambda done: self.progress("optimising", done),

@@ -71,8 +71,7 @@ class Results:
         """Farthest from the prediction as a share of the path, (N,); NaN for none."""
         farthest = self.column(f"error.{self.prediction}.farthest")
         length = self.column("path_length")
-        walked = self.column("distance_walked")
-        return farthest / np.where(length > 0, length, walked)
+        return farthest / np.where(length > 0, length, self.column("distance_walked"))
 
     @cached_property
     def classes(self) -> Array:

@@ -63,8 +63,7 @@ def sensitivities(
     pose, lean = np.empty(shape), np.empty(shape)
     batches: dict[bool, list[int]] = {}
     for number, each in enumerate(changes):
-        leans = bool(each.robot.gravity[0, :2].any())
-        batches.setdefault(leans, []).append(number)
+        batches.setdefault(bool(each.robot.gravity[0, :2].any()), []).append(number)
     for batch in batches.values() or ([],):
         some = [phases.robots, *(changes[number].robot for number in batch)]
         names = [field.name for field in fields(Robots)]

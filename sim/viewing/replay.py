@@ -141,8 +141,7 @@ def _draw_still(scene: SceneApi, walk: Run) -> None:
     scene.set_up_direction("+z")
     middle, extent = middle_and_extent(walk)
     size, cells = 8 * reach + 2 * extent, {"cell_size": 0.1, "section_size": 0.5}
-    place = (*middle, 0.0)
-    scene.add_grid("/floor", width=size, height=size, position=place, **cells)
+    scene.add_grid("/floor", width=size, height=size, position=(*middle, 0.0), **cells)
     _line(scene, f"/{NOMINAL.label}", walk.nominal[:, :2], NOMINAL.colour, walk, WIDE)
     paths = [(PREDICTED[name], poses) for name, poses in walk.drawn.items()]
     for mark, poses in (*paths, (ACHIEVED, walk.achieved)):
