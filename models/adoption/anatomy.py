@@ -233,11 +233,10 @@ def _lowered(
     held = dict.fromkeys(limb.hold[-1:], float(best[1]))
     step = float(np.ptp(_within(pose, limb.lift))) / GRID
     low, high = best[0] - 3 * step, best[0] + 3 * step
-    foot = pose.model.geom(limb.foot).id
 
     def above(lift: float) -> float:
         pose.turn(held | {limb.lift: lift})
-        return float(pose.bottom(foot)[2]) - floor
+        return float(pose.bottom(pose.model.geom(limb.foot).id)[2]) - floor
 
     first, last = above(low), above(high)
     if first * last > 0:

@@ -174,8 +174,7 @@ class _Balance:
         step *= np.minimum(1.0, _LONGEST_STEP / np.maximum(longest, 1e-300))
         before = np.linalg.norm(rest, axis=-1)
         for _ in range(_HALVINGS):
-            after = np.linalg.norm(self.force(xi + step, smoothing), axis=-1)
-            worse = after >= before
+            worse = np.linalg.norm(self.force(xi + step, smoothing), axis=-1) >= before
             if not worse.any():
                 break
             step = np.where(worse[:, None], step / 2, step)

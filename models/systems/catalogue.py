@@ -93,8 +93,7 @@ def shipped_system(name: str, values: Mapping[str, object] | None = None) -> Pro
     try:
         for key, value in values.items():
             if key not in defaults:
-                none = "is unknown; it has none"
-                what = unknown(key, defaults) if defaults else none
+                what = unknown(key, defaults) if defaults else "is unknown; it has none"
                 raise ValueError(f"{key} {what}")
             if not _fits(value, kinds.get(key)):
                 kind = KINDS.get(kinds.get(key), "a number")

@@ -53,8 +53,7 @@ def stroke_costs(
     matrix = extended.columns(np.asarray(at, dtype=float))  # (n, p)
     trees = [parse(name, system) for name in elements]
     areas = [np.prod([strokes.get(leaf, 1.0) for leaf in leaves(t)]) for t in trees]
-    flows = [len(word_of(tree)) for tree in trees]
-    scaled = matrix / np.divide(flows, areas)
+    scaled = matrix / np.divide([len(word_of(tree)) for tree in trees], areas)
     degrees = np.array([len(leaves(tree)) for tree in trees])
     joints = {index for index, _ in extended.shape.recoveries.values()}
     moved = set(np.flatnonzero(matrix.any(axis=1)).tolist())

@@ -52,8 +52,7 @@ def short_durations(first: Array, second: Array, bracket: Array) -> Array:
     p, q = _rectangles(bracket - first * second, -first, second)
     starting_with_first = np.stack([first + p, q, -p, second - q, 0 * p], axis=-1)
     words = np.concatenate([starting_with_second, starting_with_first])
-    shortest = np.abs(words).sum(axis=-1).argmin(axis=0)
-    return words[shortest, np.arange(len(first))]
+    return words[np.abs(words).sum(axis=-1).argmin(axis=0), np.arange(len(first))]
 
 
 def _rectangles(area: Array, width: Array, height: Array) -> tuple[Array, Array]:

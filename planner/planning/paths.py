@@ -221,8 +221,7 @@ def table_curve(poses: Sequence[Sequence[float]]) -> tuple[Path, float]:
         raise ValueError("all poses are the same; give at least two different ones")
     spline = PchipInterpolator(where, knots)
     rate = spline.derivative()
-    length = _arc_length(lambda t: np.hypot(*rate(t)[:2]), where.tolist())
-    return Path(spline), length
+    return Path(spline), _arc_length(lambda t: np.hypot(*rate(t)[:2]), where.tolist())
 
 
 def _arc_length(speed: Callable[[float], float], cuts: Sequence[float]) -> float:

@@ -161,8 +161,7 @@ def _outcome(
         if error.segments is not None:
             raise
         raise problem.refusal(error) from error
-    planned = time.perf_counter()
-    timing = {"compile": compiled - began, "plan": planned - compiled}
+    timing = {"compile": compiled - began, "plan": time.perf_counter() - compiled}
     accuracy = steps = None
     with stage(progress, "trying what would help"):
         helps = problem.helps(solution.plan)

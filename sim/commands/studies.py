@@ -93,8 +93,7 @@ def _print_result(
     )
     if result.failed and not options.json:
         line = f"{result.failed} of {result.points} points failed"
-        where = f"{table}; the column status says why"
-        cli.notice(f"{line}: {where}", "error")
+        cli.notice(f"{line}: {table}; the column status says why", "error")
     return ExitCode.SWEEP if result.failed else ExitCode.OK
 
 

@@ -269,8 +269,7 @@ def _step(
     K[:, range(6), range(6)] += EASE
     rest = state.unbalanced[..., None] - (GT @ PF).sum(axis=1)
     dx = np.linalg.solve(K, rest)
-    df = -PF - PQG @ dx[:, None]
-    return dx[..., 0], df[..., 0]
+    return dx[..., 0], (-PF - PQG @ dx[:, None])[..., 0]
 
 
 def blocks(Q: Array, other: Array) -> Array:

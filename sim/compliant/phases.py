@@ -194,8 +194,7 @@ class Phases:
 
 def _window(course: Course, phase: int) -> tuple[tuple[int, ...], Likeness]:
     """A phase and what is remembered in it: its steps, and what else matters."""
-    first = _remembered(course, phase)
-    spans = course.spans[first : phase + 1]
+    spans = course.spans[_remembered(course, phase) : phase + 1]
     steps = spans - spans[-1, 0]
     share = np.arange(1, LOOKED_AT + 1) / LOOKED_AT
     moments = spans[:, :1] + np.ceil(share * np.diff(spans)).astype(int)
@@ -255,5 +254,4 @@ def _composed(course: Course, phases: Sequence[Motion]) -> tuple[Motion, Array]:
         slid = slip + motion.slip
         parts.append(motion._replace(time=begin + motion.time, pose=moved, slip=slid))
         pose, slip = moved[-1], slid[-1]
-    whole = Motion(*map(np.concatenate, zip(*parts, strict=True)))
-    return whole, np.array(headings)
+    return Motion(*map(np.concatenate, zip(*parts, strict=True))), np.array(headings)

@@ -128,8 +128,7 @@ def lift_torques(setup: Setup, down: Array) -> Array:
     robot, stance, model = setup.robot, setup.kinematics.standing, setup.model
     loads = np.zeros(len(robot.legs))
     feet, center = stance.feet[down], stance.center_of_mass
-    shares = static_loads(feet[None], center[None])[0]
-    loads[down] = shares * robot.weight_in(model)
+    loads[down] = static_loads(feet[None], center[None])[0] * robot.weight_in(model)
     rise = stance.gives[:, 2] * robot.raise_sign  # of each foot by its joint [m/rad]
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)

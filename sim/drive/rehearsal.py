@@ -64,8 +64,7 @@ class Foreseen:
 
 def rehearsal_of(setup: Setup) -> Rehearsal | Foreseen | None:
     """What knows the torques of a walk beforehand; None where nobody asks."""
-    drive = Drive(setup)
-    if not drive.rehearsed:
+    if not Drive(setup).rehearsed:
         return None
     predicted = setup.servo.feed_forward == "predicted"
     return Foreseen(setup) if predicted else Rehearsal(setup)

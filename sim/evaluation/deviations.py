@@ -45,8 +45,7 @@ COMPARED = 1500  # poses that are compared with the path, evenly taken from all
 
 def deviation_from(curve: Path, poses: Array) -> Departure:
     """Farthest that poses, in time order, come from a path and from its yaw."""
-    count = min(len(poses), COMPARED)
-    rows = np.linspace(0, len(poses) - 1, count).round().astype(int)
+    rows = np.linspace(0, len(poses) - 1, min(len(poses), COMPARED)).round().astype(int)
     return Departure(**path_deviation(curve, poses[rows])._asdict())
 
 

@@ -33,8 +33,7 @@ def paper(axes: Mapping[str, Axes]) -> Shown:
     axes["a"].plot(*nominal.T, "--", color=NOMINAL, label="nominal")
     dots: Style = {"color": INK, "markersize": 1.5, "label": "segment ends"}
     axes["a"].plot(*walked.states[walked.ends, :2].T, "o", **dots)
-    segment = np.arange(1, SEGMENTS_AROUND + 1)
-    axes["b"].step(segment, widths, where="mid", color=IDEAL)
+    axes["b"].step(np.arange(1, SEGMENTS_AROUND + 1), widths, where="mid", color=IDEAL)
     axes["b"].set_ylim(bottom=0)
     label = "least to largest"
     style.band(axes["c"], least, most, colour=IDEAL, alpha=0.45, label=label)

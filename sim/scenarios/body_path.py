@@ -87,8 +87,7 @@ def ellipse(semi_axes: Sequence[float]) -> NominalPath:
 def waypoints(points: Sequence[Sequence[float]]) -> NominalPath:
     """Straight pieces through two poses or more, the first being the start."""
     poses = _poses("path.points", points)
-    pieces = np.diff(np.array(poses)[:, :2], axis=0)
-    length = float(np.hypot(*pieces.T).sum())
+    length = float(np.hypot(*np.diff(np.array(poses)[:, :2], axis=0).T).sum())
     return NominalPath("waypoints", poses, poses[-1], length, planner.waypoints(poses))
 
 
