@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
 from planner import Array
 from sim.evaluation.causes import Evidence, likely_cause
-from sim.evaluation.deviations import departure
+from sim.evaluation.deviations import Scale, departure
 from sim.evaluation.phases import standing_slip
 from sim.evaluation.summary import NEAR, Departure, Weighed
 from sim.motion.poses import tilt, wrap
@@ -21,7 +21,7 @@ FAILURES = ("fell", "collided")
 TILTED = np.deg2rad(30)  # of a body that has fallen
 LOW = 0.5  # of its height at the start, below which it has
 TOLERATED = 0.05  # of the path: distance from the goal, and from the prediction
-ASTRAY = 0.25  # of the path: off the prediction on a way that ended well
+ASTRAY = 0.25  # of the path: off the prediction on a way that went well
 SLIPPED = 0.1  # of the predicted slip: more of it; good walks slip 1 to 24 % less
 
 Word = Literal["fell", "collided", "missed", "drifted", "slipped", "arrived"]
@@ -40,12 +40,16 @@ def judge(evidence: Evidence, judged: Array) -> Verdict:
 
     Extremes are taken over the moments that are judged, shape (T,), bool.
     """
-    walk, weighed, best = evidence.walk, evidence.weighed, evidence.best
+    walk, asked = evidence.walk, evidence
+    evidence = _by_the_nearest(asked, judged)
+    weighed, best = evidence.weighed, evidence.best
     end, goal = evidence.achieved.pose[-1], walk.setup.scenario.goal
     label = PREDICTIONS[weighed.prediction].label
     ended = f"{departure(end, best.pose[-1])} from the end of the {label} prediction"
     if goal is not None:
         ended = f"{departure(end, np.array(goal))} from the goal and {ended}"
+    if evidence is not asked:
+        ended += f"; the miss is a prediction's: it was {_astray(asked, judged)}"
     word, how = (
         _fell(evidence, judged)
         or _collided(walk)
@@ -58,6 +62,22 @@ def judge(evidence: Evidence, judged: Array) -> Verdict:
         return Verdict(word, f"arrived {ended}")
     cause = likely_cause(word, evidence)
     return Verdict(word, f"{how}; it ended {ended}{cause and f'; {cause}'}")
+
+
+def _by_the_nearest(evidence: Evidence, judged: Array) -> Evidence:
+    """The same by the nearest prediction, if only others miss a walk to its goal."""
+    weighed, goal = evidence.weighed, evidence.walk.setup.scenario.goal
+    reached = weighed.goal is not None and weighed.goal <= TOLERATED
+    if not reached or weighed.ended_well or not TOLERATED < weighed.farthest <= ASTRAY:
+        return evidence
+    poses, size = evidence.achieved.pose[judged], (weighed.radius, weighed.length)
+    each = (
+        Scale(name, *size).weigh(poses, made.pose[judged], goal)
+        for name, made in evidence.predicted.items()
+    )
+    nearest = min(each, key=lambda one: one.farthest)
+    kept = nearest.farthest <= TOLERATED
+    return replace(evidence, weighed=nearest) if kept else evidence
 
 
 Found = tuple[Word, str] | None
@@ -112,12 +132,17 @@ def _drifted(evidence: Evidence, judged: Array) -> Found:
     weighed = evidence.weighed
     if weighed.farthest <= (ASTRAY if weighed.ended_well else TOLERATED):
         return None
+    return "drifted", f"drifted: it was {_astray(evidence, judged)}"
+
+
+def _astray(evidence: Evidence, judged: Array) -> str:
+    """How far the walk was off its prediction at most, and what share that is."""
+    weighed = evidence.weighed
     apart = evidence.achieved.pose[judged] - evidence.best.pose[judged]
     far, turned = np.hypot(*apart[:, :2].T).max(), np.abs(wrap(apart[:, 2])).max()
     off = Departure(position=float(far), yaw=float(turned))
     name, share = PREDICTIONS[weighed.prediction].label, weighed.farthest
-    where = f"up to {off} off the {name} prediction, {_share(weighed, share, off)}"
-    return "drifted", f"drifted: it was {where}"
+    return f"up to {off} off the {name} prediction, {_share(weighed, share, off)}"
 
 
 def _slipped(walk: Walk, predicted: Prediction, weighed: Weighed) -> Found:

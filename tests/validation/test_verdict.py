@@ -147,6 +147,35 @@ def test_goal_and_prediction_are_weighed_in_position_and_yaw(
     assert beside(short_walk.evaluation, np.array(by), rows).word == word
 
 
+# 5 % are 0.5 mm, 25 % are 2.5 mm; the walk is within 0.1 mm of the ideal prediction.
+@pytest.mark.parametrize(("aside", "word"), [(0.0007, "arrived"), (0.0027, "drifted")])
+def test_prediction_that_misses_a_walk_to_its_goal_is_named_and_not_the_walk_blamed(
+    short_walk, aside, word
+):
+    pose = short_walk.evaluation.predicted["quasi_static"].pose + [0.0, aside, 0.0]
+    evaluation = predicted(short_walk.evaluation, pose=pose)
+    verdict, weighed = evaluation.verdict, evaluation.weighed
+    assert verdict.word == word
+    assert weighed.prediction == "quasi_static"  # by which codes of exit are given
+    assert weighed.farthest == pytest.approx(aside / 0.01, abs=0.01)
+    said = (
+        " from the end of the ideal prediction; the miss is a prediction's: it was up"
+    )
+    assert (said in verdict.text) == (word == "arrived")
+    assert " mm off the quasi-static prediction, " in verdict.text
+
+
+def test_walk_that_no_prediction_foresees_has_drifted_though_it_is_at_its_goal(
+    short_walk,
+):
+    evaluation = short_walk.evaluation
+    missed = {
+        name: replace(made, pose=made.pose + [0.0, 0.0007, 0.0])
+        for name, made in evaluation.predicted.items()
+    }
+    assert replace(evaluation, predicted=missed).verdict.word == "drifted"
+
+
 @pytest.mark.parametrize("degrees", [0.9, 1.1])
 def test_yaw_beyond_a_degree_is_in_the_sentence(short_walk, degrees):
     turned = np.array([0.0, 0.0007, np.deg2rad(degrees)])
