@@ -7,11 +7,12 @@ legs to give way and for an unsupported body to tip over.
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -20,6 +21,8 @@ from models import Kinematics, ModelError, Robot
 from models.contact import UPRIGHT
 from models.description import actuator_of, silence_the_engine
 from sim.errors import UsageError
+from sim.scenarios.predictions import imperfect
+from sim.scenarios.scenario import Scenario
 from sim.world.model import suitable_integrator
 from sim.world.sensors import PREFIX, contact_sensor
 
@@ -30,19 +33,32 @@ MOST_STEPS = 4000  # steps, for tiny timesteps
 
 
 def check_standing(
-    kinematics: Kinematics, model: mujoco.MjModel, lift_angle: float
+    kinematics: Kinematics,
+    model: mujoco.MjModel,
+    lift_angle: float,
+    scenario: Scenario | None = None,
+    world_of: Callable[[Scenario], Any] | None = None,
 ) -> None:
     """Refuse a robot that does not stand at keyframe `start`.
 
     It must clear the ground with lifted legs [rad] even if others sag. A simulation
     that diverges is not refused here; the walk reports when and why. A timestep that is
-    too long for the servos, and a start inside an obstacle, are a `UsageError`.
+    too long for the servos, and a start inside an obstacle, are a `UsageError`, and so
+    are a scenario's imperfections, if it stands in the `world_of` it without them.
     """
     silence_the_engine()
     try:
         _check_standing(kinematics, model, lift_angle)
     except ModelError as refusal:
         _blame_the_timestep(kinematics, model, lift_angle, refusal)
+        if scenario is None or world_of is None or not scenario.is_imperfect:
+            raise
+        with suppress(ModelError):
+            _check_standing(kinematics, world_of(scenario.as_planned).model, lift_angle)
+            told = (f"{n} = {getattr(scenario, n)}" for n in imperfect(scenario))
+            what = f"{kinematics.robot} does not stand with {', '.join(told)}"
+            remedy = "change or leave out what is too much: without, the robot stands"
+            raise UsageError(what, f"scenario {scenario.name!r}", remedy) from refusal
         raise
     except mujoco.FatalError as error:
         reason = " ".join(str(error).split())

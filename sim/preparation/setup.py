@@ -281,8 +281,8 @@ def prepare(
         motion=None if log is None else Motion(log, robot, limits),
     )
     if setup.motion is None:
-        level = setup.as_planned if scenario.bumps else setup
-        check_standing(kinematics, level.model, lift)
+        model = (setup.as_planned if scenario.bumps else setup).model
+        check_standing(kinematics, model, lift, scenario, setup.with_imperfections)
     return setup
 
 
