@@ -68,8 +68,7 @@ def _moves_heights_alone(field: VectorField, level_set: LevelSet) -> bool:
         moved = np.flatnonzero(np.any([field(x) for x in level_set.points], axis=0))
     else:
         moved = np.flatnonzero([rate != 0 for rate in field])
-    slopes = level_set.differential
-    steady = [slopes.col(i) for i in moved.tolist()]
+    steady = [level_set.differential.col(i) for i in moved.tolist()]
     return all(c.is_zero_matrix is False and not c.free_symbols for c in steady)
 
 

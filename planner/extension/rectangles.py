@@ -253,8 +253,7 @@ def rectangles(system: StratifiedSystem, hall: HallFields) -> Rectangles:
     """The units and rectangles of the words of a basis."""
     generators = [system.fields[name] for name in hall.generators]
     compiled = compile_fields(generators, system.state)
-    inert = ShapeCoordinates(system).inert
-    joints = np.isin(np.arange(system.dimension), list(inert))
+    joints = np.isin(np.arange(system.dimension), list(ShapeCoordinates(system).inert))
     units = InputUnits(hall.elements, hall.entangled, compiled, system.weights, joints)
     if degree(hall.elements[-1]) != DEGREE:
         return Rectangles(hall, units, None)

@@ -135,6 +135,5 @@ def _between(task: Task, stage: Stage, start: Array) -> Expression:
     whole = whole_state(task, start, y)
     for inequality in task.inequalities:
         rows = ca.vertcat(ca.SX(0.0), *inequality.expressions(stage, whole))
-        function = ca.Function("rows", [y], [rows])
-        lacks.append(-function.map(every.shape[1])(every))
+        lacks.append(-ca.Function("rows", [y], [rows]).map(every.shape[1])(every))
     return ca.Function("between", [x, d, a], [steps, *lacks])

@@ -113,8 +113,7 @@ class Ipopt:
             found = self._solver(**values) if self._watch.began(noted) else {}
         if self._watch.stopped is not None:
             raise self._watch.stopped
-        good = bool(found) and self._solver.stats()["success"]
-        return dict(found) if good else None
+        return dict(found) if bool(found) and self._solver.stats()["success"] else None
 
 
 @contextmanager

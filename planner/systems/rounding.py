@@ -109,8 +109,7 @@ def vanishing(fields: Sequence[VectorField], state: Symbols) -> tuple[bool, ...]
 
 
 def _times(one: Weighed, other: Weighed) -> Weighed:
-    weight = one[1] * np.abs(other[0]) + np.abs(one[0]) * other[1]
-    return one[0] * other[0], weight
+    return one[0] * other[0], one[1] * np.abs(other[0]) + np.abs(one[0]) * other[1]
 
 
 def _carried(function: Callable[..., Array], parts: Sequence[Weighed]) -> Weighed:

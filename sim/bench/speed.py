@@ -131,10 +131,9 @@ def compilation() -> Iterator[Row]:
 
 def algebra() -> Row:
     """A Hall basis with its structure constants, from nothing."""
-    remembered = (hall_basis, place, degree, structure_constants, lie_algebra)
 
     def structure() -> object:
-        for function in remembered:
+        for function in (hall_basis, place, degree, structure_constants, lie_algebra):
             function.cache_clear()
         return lie_algebra(hall_basis(GENERATORS, DEGREE)).structure
 
@@ -183,8 +182,7 @@ def travel(scenario: str) -> Row:
     def swept(coordinates: Coordinates) -> float:
         """Of a plan that ends exactly at the goal [rad]."""
         execution = Execution(stance=setup.stance, coordinates=coordinates)
-        segments = setup.scenario.segments
-        aimed = aim(setup.extended, setup.nominal(), segments, execution)
+        aimed = aim(setup.extended, setup.nominal(), setup.scenario.segments, execution)
         loaded = setup.extended.elements[:2]
         return sum(abs(f.duration) for f in merged(aimed.flows) if f.field in loaded)
 

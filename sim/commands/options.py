@@ -137,8 +137,7 @@ def kept_in(folder: Path, out: str | None) -> str:
     there = sorted(path.name for path in folder.glob("[!.]*"))
     if not there:
         return f"nothing is kept; start again: {again()}"
-    on = again(*elsewhere(out))
-    return f"{folder} keeps {', '.join(there)}; start again: {on}"
+    return f"{folder} keeps {', '.join(there)}; start again: {again(*elsewhere(out))}"
 
 
 def elsewhere(out: str | None) -> list[str]:

@@ -89,8 +89,7 @@ class Skeleton:
         parts = (soles, anchors, axes, links)
         rows = np.concatenate(parts, axis=2).reshape(lanes, -1, 3)
         world = (rows @ np.swapaxes(turned, 1, 2)).reshape(lanes, feet, -1, 3)
-        points = a.sole.shape[1]
-        cuts = points + hinges * np.arange(3)
+        cuts = a.sole.shape[1] + hinges * np.arange(3)
         sole, anchor, axis, link = np.split(world, cuts, axis=2)
         body = (turned @ robots.body_center[..., None])[..., 0]
         moment = (a.link_mass[..., None] * link).sum(axis=(1, 2))

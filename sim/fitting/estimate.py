@@ -96,9 +96,8 @@ class Estimates:
     def unseen(self, problem: int = 0) -> list[str]:
         """In words, what the measurements of a problem do not tell, or not apart."""
         strength, directions = (part[problem] for part in self._strength)
-        names = [p.name for p in self.parameters]
         return [
-            _in_words(names, direction)
+            _in_words([p.name for p in self.parameters], direction)
             for weight, direction in zip(strength, directions.T, strict=True)
             if 1 / np.sqrt(1 + weight) > UNSEEN
         ]

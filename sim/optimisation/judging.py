@@ -225,7 +225,6 @@ def margins(
 
     robot, kinematics = setup.robot, setup.kinematics
     foot, _, _, weight = kinematics.terms
-    still = kinematics.standing.feet
 
     def of(stage: Stage, state: Sequence[Expression]) -> list[Expression]:
         planted = robot.planted(stage.stratum)
@@ -237,7 +236,7 @@ def margins(
             moved = place_of(weight[leg], swing, float(raised[leg]))
             x, y = x + moved[0], y + moved[1]
         standing = np.flatnonzero(planted)
-        ring = standing[hull_of(still[standing])].tolist()
+        ring = standing[hull_of(kinematics.standing.feet[standing])].tolist()
         sides = sorted(zip(ring, ring[1:] + ring[:1], strict=True))
         return [-outward(feet[i], feet[j], (x, y)) - least for i, j in sides]
 

@@ -238,8 +238,7 @@ class ClearanceBound:
         """Clearance of the swept outline, compared with that of the nominal path."""
         walking = np.full(setup.scenario.segments, np.inf)
         for stage in stages:
-            segment = stage.segment(stage.rows[:-1])
-            np.minimum.at(walking, segment, self.swept(stage))
+            np.minimum.at(walking, stage.segment(stage.rows[:-1]), self.swept(stage))
         room, left = np.ones_like(walking), walking - self.least
         if (short := np.flatnonzero(left < 0)).size:
             room[short] = self._standing(setup, short) - self.least

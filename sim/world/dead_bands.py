@@ -63,8 +63,7 @@ def ensure_dead_bands(spec: mujoco.MjSpec, robot: Robot, scenario: Scenario) -> 
         stiffness = float(servo.gainprm[0])
         steep = STEEP * stiffness if scenario.dead_band_law == "step" else 0.0
         most = (stiffness + steep) * width / 2
-        springs = {BAND: -stiffness - steep, STEP: steep}
-        for kind, gain in springs.items():
+        for kind, gain in {BAND: -stiffness - steep, STEP: steep}.items():
             if gain:
                 spring = plain_actuator(spec, kind + name, name)
                 spring.set_to_position(kp=gain)
