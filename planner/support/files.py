@@ -21,13 +21,14 @@ _unfinished: set[Path] = set()
 
 
 @contextmanager
-def whole_file(path: Path | str, size: int = 0) -> Iterator[Path]:
+def whole_file(path: Path | str, size: int = 0, new: bool = False) -> Iterator[Path]:
     """A file that is written as a whole or not at all.
 
     The block writes to the path that it is given. That file takes the name `path` when
     the block has succeeded, and is removed when it has not. It lies in the same folder
     under a secret name with the same suffix, from which writers tell the format. `size`
-    is the number of bytes that will be written, as far as it is known.
+    is the number of bytes that will be written, as far as it is known. A `new` file
+    takes no name that another one has, which is a FileExistsError.
     """
     path = Path(path)
     part = path.parent / f".{path.stem}.{token_hex(8)}.part{path.suffix}"
@@ -36,7 +37,10 @@ def whole_file(path: Path | str, size: int = 0) -> Iterator[Path]:
         require_space(path.parent, size)
         yield part
         _flush(part)
-        os.replace(part, path)
+        try:
+            (os.link if new else os.replace)(part, path)
+        except PermissionError:  # as of a disk that has no links
+            os.replace(part, path)
         _flush(path.parent)
     except OSError as error:
         raise OSError(error.errno, error.strerror or str(error), str(path)) from error

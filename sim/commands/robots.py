@@ -19,6 +19,7 @@ from models import (
     shipped_robots,
     source_of,
 )
+from planner.support import whole_file
 from sim.commands import options as cli
 from sim.errors import UsageError
 from sim.folder import whole
@@ -89,12 +90,14 @@ def _adopted(options: argparse.Namespace) -> tuple[Source, Draft, Setup, list[Pa
         draft = draft_card(source)
     from sim.figures.mechanism import save_standing  # loads matplotlib
 
-    card.touch(exist_ok=False)  # of two that adopt it at once, one goes on
+    with whole_file(
+        card, new=True
+    ) as part:  # of two that adopt it at once, one goes on
+        part.write_text(draft.card, "utf-8")
     try:
-        for path, text in ((source.path, source.text), (card, draft.card)):
-            if text is not None:
-                with whole(path) as part:
-                    part.write_text(text, "utf-8")
+        if source.text is not None:
+            with whole(source.path) as part:
+                part.write_text(source.text, "utf-8")
         with cli.working(options, "trying to stand"):
             name = str(source.path)
             robot = load(name, allow_external=options.allow_external)

@@ -12,12 +12,14 @@ import select
 import shutil
 import subprocess
 import sys
-import tempfile
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import dataclass
+from fcntl import LOCK_EX, LOCK_NB, LOCK_SH, flock
+from glob import escape
 from itertools import pairwise
 from pathlib import Path
+from tempfile import TemporaryDirectory, TemporaryFile
 from typing import IO
 
 import mujoco
@@ -33,6 +35,7 @@ from sim.pictures.offscreen import LOOKS, OffscreenRenderer
 from sim.runs.run import read_run
 
 NAME = "video.mp4"
+PIECES = ".pieces"  # of names of folders in which a film is drawn
 ANIMATED = ".webp"  # of files that are small animated pictures instead
 WORKERS = 2  # processes at most; each takes 200 MB
 FEWEST_PICTURES = 90  # pictures that are worth a process
@@ -127,14 +130,21 @@ def film_folder(
 
 @contextmanager
 def _scratch(film: Path) -> Iterator[Path]:
-    """A hidden folder on the film's disk, of this process alone."""
-    scratch = film.parent / f".{film.stem}.{os.getpid()}.pieces"
-    shutil.rmtree(scratch, ignore_errors=True)
-    scratch.mkdir()
-    try:
-        yield scratch
-    finally:
-        shutil.rmtree(scratch)
+    """A hidden folder on the film's disk; those of films that were killed are removed.
+
+    Every film holds a shared lock on its folder, which ends with the process.
+    """
+    with ExitStack() as stack:
+        folder = os.open(film.parent, os.O_RDONLY)
+        stack.callback(os.close, folder)
+        with suppress(OSError):  # another film is drawn, or the disk has no locks
+            flock(folder, LOCK_EX | LOCK_NB)
+            for left in film.parent.glob(f".{escape(film.stem)}.*{PIECES}"):
+                shutil.rmtree(left, ignore_errors=True)
+        with suppress(OSError):
+            flock(folder, LOCK_SH)
+        place = TemporaryDirectory(PIECES, f".{film.stem}.", film.parent)
+        yield Path(stack.enter_context(place))
 
 
 def _shares(pictures: int) -> list[range]:
@@ -170,7 +180,7 @@ def draw(pieces: Sequence[Piece], driver: str, progress: Callable[[int], None]) 
 def _start(
     stack: ExitStack, piece: Piece, environment: dict[str, str], pen: int
 ) -> Worker:
-    complaints = stack.enter_context(tempfile.TemporaryFile())  # noqa: SIM115 (it does)
+    complaints = stack.enter_context(TemporaryFile())  # noqa: SIM115 (it does)
     process = subprocess.Popen(
         piece.command,
         env=environment,

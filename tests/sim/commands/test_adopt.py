@@ -79,6 +79,26 @@ def test_of_two_that_adopt_a_robot_at_once_the_second_is_refused(
     assert names(tmp_path) == ["spider.toml", "spider.xml"]
 
 
+def test_a_card_is_never_there_in_part(tmp_path, monkeypatch):
+    """Whoever kills the command at any moment finds a whole card, or none."""
+    path, seen = BOX.write(tmp_path), []
+
+    def watch(name):
+        function = getattr(robots, name)
+
+        def watched(*words, **more):
+            seen.extend(card.read_text() for card in tmp_path.glob("box.toml"))
+            return function(*words, **more)
+
+        monkeypatch.setattr(robots, name, watched)
+
+    for name in ("draft_card", "whole", "load", "prepare"):
+        watch(name)
+    assert main(["adopt", str(path)]) == 0
+    assert len(seen) >= 3
+    assert {*seen} == {(tmp_path / "box.toml").read_text()}
+
+
 def test_refused_robot_leaves_no_file(tmp_path, capsys):
     path = SPIDER.write(tmp_path)
     # a trunk that touches things, and reaches to the floor on which it would stand

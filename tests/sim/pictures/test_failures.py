@@ -2,6 +2,7 @@
 
 import os
 import re
+import time
 
 import numpy as np
 import pytest
@@ -212,3 +213,29 @@ def test_films_of_one_name_that_are_drawn_at_once_do_not_disturb_each_other(tmp_
         beside.join(60)
         assert (mine / "0.mp4").exists()
     assert not [*tmp_path.iterdir()]
+
+
+def test_pieces_of_a_film_that_was_killed_go_as_the_next_one_is_drawn(tmp_path):
+    """And not before: a film that is still drawn beside it needs its own."""
+    film, used = tmp_path / "video.mp4", FORKS.Queue()
+    other = tmp_path / ".another.1.pieces"
+    other.mkdir()
+    killed = FORKS.Process(target=draw_for_ever, args=(film, used))
+    killed.start()
+    left = used.get(timeout=60)
+    with run_film._scratch(film):
+        assert left.exists()
+        killed.kill()
+        killed.join(60)
+    assert left.exists()
+    with run_film._scratch(film) as mine:
+        assert not left.exists()
+        with run_film._scratch(film):
+            assert mine.exists()
+    assert [*tmp_path.iterdir()] == [other]
+
+
+def draw_for_ever(film, used):
+    with run_film._scratch(film) as scratch:
+        used.put(scratch)
+        time.sleep(600)
