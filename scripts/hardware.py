@@ -46,12 +46,11 @@ def foot(leg: int, part: np.ndarray, drop: float) -> np.ndarray:
     """
     direction = FORWARD - (leg - 1) * np.pi / 3
     along = np.array([np.cos(direction), np.sin(direction), 0.0])
-    middle = np.array([RADIUS, 0.0, drop - HEIGHT])
     half = SPEED * PERIOD / 4
     u = np.clip(2 * part - 1, 0.0, 1.0)
     back = half * (2 * (10 * u**3 - 15 * u**4 + 6 * u**5) - 1)
     way = np.where(part < 0.5, half * (1 - 4 * part), back)
-    place: np.ndarray = middle + way[:, None] * along
+    place: np.ndarray = np.array([RADIUS, 0.0, drop - HEIGHT]) + way[:, None] * along
     place[:, 2] += STEP * 64 * (u * (1 - u)) ** 3
     return place
 

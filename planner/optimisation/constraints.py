@@ -106,13 +106,12 @@ class Constraints:
         if not powers.size:
             return
         columns = [solver().horzcat(*parts) for parts in (states, places, widths)]
-        rows = within.map(columns[1].numel())(*columns)
 
         def tightening(margins: Margins) -> Array:
             shares = np.where(stages < 0, 1.0, margins.shares[stages])
             return np.asarray(CHECKED_SHARE**powers * (1.0 - shares**powers))
 
-        self.add(rows, -np.inf, 0.0, tightening)
+        self.add(within.map(columns[1].numel())(*columns), -np.inf, 0.0, tightening)
 
     def inequalities(
         self,

@@ -160,9 +160,8 @@ class Grouper:
             here.append(k)
         firsts = tuple(places[0] for places in joined)
         names = tuple(pattern[k] for k in firsts)
-        strata = tuple(stratum[name] for name in names)
         several = [(i, places[1:]) for i, places in enumerate(joined) if places[1:]]
-        return strata, names, firsts, several
+        return tuple(stratum[name] for name in names), names, firsts, several
 
 
 def _open(strata: Sequence[str], done: int) -> dict[str, None]:

@@ -116,12 +116,11 @@ def _system(options: argparse.Namespace, progress: Progress) -> Outcome:
         wanted = find(options.scenario, cli.settings_of(options))
         by_elements = any(getattr(options, o) not in (None, []) for o in BY_ELEMENTS)
         chained = wanted.flat is not None and not by_elements
-        segments = 1 if chained and options.segments is None else options.segments
         changes = {k: getattr(options, k) for k in ("elements", "degree", "words")}
         changes |= {
             "start": options.start and coordinates(options.start, "--start"),
             "goal": options.goal and coordinates(options.goal, "--goal"),
-            "segments": segments,
+            "segments": 1 if chained and options.segments is None else options.segments,
             "gait": options.gait and tuple(options.gait),
             "in_gait": bool(options.gait) or None,
         }

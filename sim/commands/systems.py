@@ -45,9 +45,8 @@ def systems(options: argparse.Namespace) -> None:
     asked = options.system
     if asked is not None and asked not in SYSTEMS:
         raise UsageError("no such system", asked, did_you_mean(asked, SYSTEMS))
-    names = SYSTEMS if asked is None else (asked,)
     facts, lines = [], []
-    for name in names:
+    for name in SYSTEMS if asked is None else (asked,):
         of, given = shipped_system(name), parameters(name)
         facts.append(
             {

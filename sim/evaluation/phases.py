@@ -93,11 +93,10 @@ def _foresight(walk: Walk, prediction: Prediction) -> dict[str, Any]:
 def as_planned(walk: Walk, phase: Phase) -> bool:
     """Whether feet that neither lift nor land were in contact as planned throughout."""
     robot = walk.setup.robot
-    planned = phase.planted(robot)
     changing = phase.moving if phase.kind in ("lift", "land") else ()
     asked = ~np.isin(robot.group_of_leg, changing)
     contact = walk.recording.contacts.between(phase.start + 1, phase.stop)
-    return bool((contact[:, asked] == planned[asked]).all())
+    return bool((contact[:, asked] == phase.planted(robot)[asked]).all())
 
 
 def moving_time(walk: Walk) -> float:

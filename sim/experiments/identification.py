@@ -123,9 +123,8 @@ def swing(setup: Setup, field: str, span: float) -> tuple[Array, Array, float]:
     _check(setup, stratum, on_the_way)
     qpos = on_the_way.qpos
     d = np.array(direction)
-    way = setup.channels.swing(qpos) @ d / (d @ d)
     slip = float((moments.slip[-1] - recording.slip_after(begin)).sum())
-    return way, setup.pose(qpos), slip
+    return setup.channels.swing(qpos) @ d / (d @ d), setup.pose(qpos), slip
 
 
 def _check(setup: Setup, stratum: str, way: Moments) -> None:

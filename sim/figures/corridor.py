@@ -72,9 +72,8 @@ def paper(axes: Mapping[str, Axes]) -> Shown:
         bounds = slack.walking.min() + LEAST, slack.standing.min() + LEAST
         measured = least.min(), where, *bounds, shortest, walked.error
         rows.append((count, *map(float, measured)))
-    hit = -min(row[1] for row in rows)
     counts: Style = {"coarse": rows[0][0], "fine": rows[1][0]}
-    return Shown(rows, {**counts, "hit": hit, "least": LEAST})
+    return Shown(rows, {**counts, "hit": -min(row[1] for row in rows), "least": LEAST})
 
 
 def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:

@@ -70,9 +70,8 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
         dots: Style = {"color": colour, "markersize": 2.5, "label": label}
         axes["c"].plot(segment, MM * margin, fmt, **dots)
     last = walked.ends[k]
-    ends = walked.pose["achieved"][last].T
     columns = *(o[last] for o in off), margins["ideal"], margins["achieved"]
-    return Shown(rows_of(k + 1, *ends, *columns))
+    return Shown(rows_of(k + 1, *walked.pose["achieved"][last].T, *columns))
 
 
 def _chosen(segments: int) -> Array:

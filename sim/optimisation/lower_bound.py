@@ -110,7 +110,6 @@ def _curve(setup: Setup, task: Task, stage: Stage) -> Curve | None:
     heading = integrated(velocity[:, 2])
     heading -= np.interp(0.0, fine, heading)
     turn = np.exp(1j * heading) * (velocity[:, 0] + 1j * velocity[:, 1])
-    place = integrated(turn)
     bend = ROOM * float(np.abs(np.gradient(turn, fine)).max())
 
     lengths = np.maximum(angles - low, LEAST_STROKE) / rate
@@ -129,7 +128,7 @@ def _curve(setup: Setup, task: Task, stage: Stage) -> Curve | None:
     ]
     slope = 0.0 if task.centred or not prices else min(prices)
     coarse = slice(None, None, FINE_ANGLES)
-    return Curve(angles, place[coarse], heading[coarse], bend, times, slope)
+    return Curve(angles, integrated(turn)[coarse], heading[coarse], bend, times, slope)
 
 
 def _headings(curve: Curve, span: tuple[float, float], count: int | None) -> Array:

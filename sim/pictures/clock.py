@@ -53,9 +53,8 @@ def clock(
     if playback is None:
         playback = next(p for p in SPEEDS if duration / p <= FILM_LENGTH - TAIL)
     if (moving := int(duration / playback * FRAME_RATE)) > MOST_PICTURES:
-        what = f"a film of {moving} pictures"
         where = f"playback = {playback:g} of the run"
-        raise UsageError(what, where, "set playback higher")
+        raise UsageError(f"a film of {moving} pictures", where, "set playback higher")
     moments = time[first] + np.arange(moving) * playback / FRAME_RATE
     whole = first == 0 and last == len(time) - 1
     parts = (whole * TITLE, TAIL, whole * RESULTS)

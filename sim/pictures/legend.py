@@ -152,9 +152,8 @@ def nose(walk: Run) -> Colour | None:
 
 def _lines(walk: Run) -> list[tuple[str, Colour, str]]:
     """Label, colour and kind of sample of every line of a film's legend."""
-    own = ghost_of(walk)
     labels = {name: PREDICTED[name].label for name in walk.drawn}
-    labels[own] += ", ghost"
+    labels[ghost_of(walk)] += ", ghost"
     around = ("floor swept over", palette.SWEPT, "block")
     thought = (palette.THOUGHT.label, palette.THOUGHT.colour, "ring")
     bumps = f"contours, {1000 * contour_step(walk):.3g} mm"

@@ -35,7 +35,6 @@ from sim.pictures.offscreen import LOOKS, OffscreenRenderer
 from sim.runs.run import read_run
 
 NAME = "video.mp4"
-PIECES = ".pieces"  # of names of folders in which a film is drawn
 ANIMATED = ".webp"  # of files that are small animated pictures instead
 WORKERS = 2  # processes at most; each takes 200 MB
 FEWEST_PICTURES = 90  # pictures that are worth a process
@@ -139,11 +138,11 @@ def _scratch(film: Path) -> Iterator[Path]:
         stack.callback(os.close, folder)
         with suppress(OSError):  # another film is drawn, or the disk has no locks
             flock(folder, LOCK_EX | LOCK_NB)
-            for left in film.parent.glob(f".{escape(film.stem)}.*{PIECES}"):
+            for left in film.parent.glob(f".{escape(film.stem)}.*.pieces"):
                 shutil.rmtree(left, ignore_errors=True)
         with suppress(OSError):
             flock(folder, LOCK_SH)
-        place = TemporaryDirectory(PIECES, f".{film.stem}.", film.parent)
+        place = TemporaryDirectory(".pieces", f".{film.stem}.", film.parent)
         yield Path(stack.enter_context(place))
 
 

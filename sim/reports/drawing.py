@@ -129,9 +129,8 @@ def extremes(values: Array, bins: int = BINS) -> Array:
     if count <= 2 * bins:
         return np.arange(count)
     columns = values.reshape(count, -1)
-    edges = np.linspace(0, count, bins + 1).astype(int)
     kept = [np.array([0, count - 1])]
-    for start, stop in pairwise(edges):
+    for start, stop in pairwise(np.linspace(0, count, bins + 1).astype(int)):
         part = columns[start:stop]
         kept += [start + part.argmin(axis=0), start + part.argmax(axis=0)]
     return np.unique(np.concatenate(kept))

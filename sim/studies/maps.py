@@ -84,7 +84,6 @@ def page(results: Results, found: Findings, table: Path, beside: Path) -> str:
     worst = order[::-1] if few else order[: -EXTREMES - 1 : -1]
     folder = table if table.is_dir() else table.parent
     places = os.path.relpath(folder, beside)
-    name = folder.resolve().name
     there = ((c, n) for c, n in found.classes.items() if n)
     counts = [(c, str(n), f"{n / len(results):.0%}") for c, n in there]
     counts += [(f"no walk: {why}", str(n), "") for why, n in found.reasons.items()]
@@ -96,7 +95,7 @@ def page(results: Results, found: Findings, table: Path, beside: Path) -> str:
     heads = "farthest off, of the path, each once", "points", "share"
     return render(
         "study.html",
-        title=f"{name}: {len(results)} points",
+        title=f"{folder.resolve().name}: {len(results)} points",
         about=f"{', '.join(results.keys)} {'vary' if results.keys[1:] else 'varies'}",
         found=found,
         label=results.label,

@@ -84,9 +84,8 @@ def course_of_run(run: Run) -> tuple[Phases, Course]:
     spans = np.array([(phase.start, phase.end) for phase in run.phases])
     heading = np.interp(spans[:, 0], run.time, np.unwrap(run.achieved[:, 2]))
     steps = np.round(spans / setup.limits.timestep).astype(int)
-    start = {0: np.zeros(3)}
     ctrl = run.commands["ctrl"]
-    return phases, course_along(setup, phases, ctrl, steps, heading, start)
+    return phases, course_along(setup, phases, ctrl, steps, heading, {0: np.zeros(3)})
 
 
 def changes_of(phases: Phases, legs: Sequence[int]) -> Iterator[Change]:

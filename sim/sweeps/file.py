@@ -72,9 +72,8 @@ class Sweep:
 
     def at(self, point: int) -> Scenario:
         """The scenario of a point."""
-        changes = {**self.fixed, **self.varied(point)}
         place = f"point {point} of sweep {self.name!r}"
-        return scenario_from(self.scenario, changes, place)
+        return scenario_from(self.scenario, {**self.fixed, **self.varied(point)}, place)
 
 
 def read_sweep(source: str) -> Sweep:
