@@ -48,6 +48,7 @@ class Stand:
     yaw: float  # turn of the body per radian of the group
     swing: float  # how far the group swings either way [rad]
     feet: Array  # where the feet are then, shape (legs, 2) [m]
+    load: float  # least share of the weight on one; on uneven loads the body leans
 
 
 def two_groups(limbs: Sequence[Limb], weight: Array, source: str) -> list[Groups]:
@@ -116,12 +117,12 @@ def posed(
 
 
 def _worth(first: Sequence[Stand], second: Sequence[Stand]) -> Array:
-    """Way sideways of a rectangle of two full swings, less for legs much turned."""
+    """Way sideways of two full swings, less for legs much turned and uneven loads."""
     one, other = (np.array([stand.pivot for stand in s]) for s in (first, second))
-    turn, back = (np.array([s.yaw * s.swing for s in side]) for side in (first, second))
+    turn, back = ([s.yaw * s.swing * s.load for s in side] for side in (first, second))
     bends = ([np.abs(stand.turns).max() for stand in s] for s in (first, second))
     apart = np.linalg.norm(one[:, None] - other, axis=-1)
-    worth: Array = apart * turn[:, None] * back * np.exp(-np.maximum.outer(*bends))
+    worth: Array = apart * np.outer(turn, back) * np.exp(-np.maximum.outer(*bends))
     return worth
 
 
@@ -156,10 +157,10 @@ class _Legs(NamedTuple):
         clockwise, anticlockwise = self.ranges.T
         room = np.minimum(anticlockwise - turns, turns - clockwise)
         swing = float((np.minimum(room, MOST_SWING) / gains).min())
-        if swing <= LEAST_SWING or _surety(feet, self.weight) <= LEAST_LOAD:
+        if swing <= LEAST_SWING or (load := _surety(feet, self.weight)) <= LEAST_LOAD:
             return None
         yaw = 1 / float(ratio.max())
-        return Stand(self.places, pivot, turns, gains, yaw, swing, feet)
+        return Stand(self.places, pivot, turns, gains, yaw, swing, feet, load)
 
     def in_step(self, stand: Stand) -> Stand:
         """A stand, its pivot moved so that gains are halves, thirds or quarters.
@@ -173,8 +174,7 @@ class _Legs(NamedTuple):
         if not (fits := near.all(axis=1)).any():
             return stand
         wanted, lead = choices[fits.argmax(), :, None], int(stand.gains.argmax())
-        lengths = np.linalg.norm(self.arms, axis=1)[:, None]
-        pivot = stand.pivot
+        pivot, lengths = stand.pivot, np.linalg.norm(self.arms, axis=1)[:, None]
         for _ in range(NEWTON_STEPS):  # on ratio - wanted * ratio of the leading leg
             away = self.hips - pivot
             distance = np.linalg.norm(away, axis=1)[:, None]

@@ -91,6 +91,16 @@ def test_a_urdf_of_light_links_walks_on_stiff_servos_without_bouncing(tmp_path):
     assert summary["error"]["quasi_static"]["position"] < 0.005 * path.length  # 0.0008
 
 
+def test_eight_legs_that_bear_like_loads_land_together_without_bouncing(tmp_path):
+    octopus = adopted(next(a for a in ADOPTEES if a.name == "octopus"), tmp_path)
+    path = line((0.03, 0.03, 0.0))
+    scenario = Scenario(name="short", robot=octopus, path=path, segments=6)
+    summary = simulated(scenario).summary
+    # with pivots of 0.67 of the load 19, as the body leans, and 5.1 % off
+    assert (summary["verdict"], summary["bounces"]) == ("arrived", 0)
+    assert summary["error"]["goal"]["position"] < 0.005 * path.length  # 0.0008
+
+
 def test_it_starts_from_keyframe_home_with_its_knees_held(tmp_path, scenario):
     robot = load(str(foreign.mantis(tmp_path)))
     model = load_world(build(robot, scenario()))
@@ -125,8 +135,8 @@ def test_a_servo_behind_a_gear_is_the_same_on_the_joint(tmp_path, scenario):
 @pytest.mark.full
 @pytest.mark.parametrize(
     ("name", "share", "rigid"),
-    # of the path, measured 0.0026 where the rigid one misses by 0.036; 0.0096 and 0.089
-    [("scorpion", 0.004, 0.03), ("crab", 0.0105, 0.03)],
+    # of the path, measured 0.0011 where the rigid one misses by 0.011; 0.0096 and 0.089
+    [("scorpion", 0.0016, 0.01), ("crab", 0.0105, 0.03)],
 )
 def test_legs_of_three_soft_joints_walk_as_the_compliant_prediction_says(
     name, share, rigid, tmp_path

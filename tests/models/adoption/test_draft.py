@@ -89,17 +89,6 @@ def test_legs_of_a_group_swing_in_ratios_of_small_whole_numbers(write, tmp_path)
     assert gains.min() > 0.1
 
 
-def test_a_pivot_is_moved_by_millimetres_for_the_sake_of_counts(tmp_path, monkeypatch):
-    scorpion = next(a for a in ADOPTEES if a.name == "scorpion")
-    source = source_of(str(scorpion.write(tmp_path)))
-    moved = draft_card(source).gait.pivots
-    monkeypatch.setattr("models.adoption.groups.MOST_CHANGE", 0.0)
-    found = draft_card(source).gait.pivots
-    # 4.1 mm and none; 15 mm where feet are apart only once pivots are moved
-    assert np.linalg.norm(np.subtract(moved, found), axis=1).max() < 0.005
-    assert not np.allclose(moved, found, atol=1e-3)
-
-
 def test_straight_knees_are_bent_to_stand(drafted):
     robot, found = drafted(ADOPTEES[0])
     assert "knees were bent" in found.guesses[0]
