@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from math import ceil
+from math import ceil, floor
 
 import numpy as np
 
@@ -110,7 +110,7 @@ class Drive:
             return
         rows = np.arange(len(torques.values)) * torques.spacing
         turned = np.abs(self._speed(schedule, rows))
-        self._require_pace(float(turned.max()))
+        self._require_pace(turned.max(axis=0))
         borne = np.abs(torques.values[:, self._joints])
         needed = _needed(self._servo, borne, turned)
         knot, joint = np.unravel_index(needed.argmax(), needed.shape)
@@ -151,19 +151,24 @@ class Drive:
                 strong.append((most, name))
         return [name for _, name in sorted(strong)]
 
-    def _require_pace(self, fastest: float) -> None:
-        """Refuse a speed that servos are not set to go at [rad/s]."""
-        kind = self._servo.kind
-        if kind is None or not 0 < kind.profile_speed < fastest:
+    def _require_pace(self, speeds: Array) -> None:
+        """Refuse speeds of the joints, (J,) [rad/s], that servos are not set to."""
+        kind, setup = self._servo.kind, self._setup
+        if kind is None or not 0 < (most := kind.profile_speed) < speeds.max():
             return
-        counts = ceil(fastest / kind.resolution / 50) * 50
+        counts, slower = ceil(speeds.max() / kind.resolution / 50) * 50, {}
+        if np.delete(speeds, self._lifts).max(initial=0.0) > most:
+            slower["swing_speed"] = most / np.abs(setup.robot.swing_gain).max()
+        if (lifted := speeds[self._lifts].max()) > most:
+            angle = most / lifted * setup.limits.lift_angle
+            slower["lift_height"] = setup.kinematics.rise(angle).min()
+        asked = (f"--set {name}={floor(1e3 * x) / 1e3:g}" for name, x in slower.items())
         raise UsageError(
-            f"joints are to turn at up to {fastest:.2f} rad/s, and servos as they are "
-            f"delivered go at {kind.profile_speed:.2f} rad/s",
+            f"joints are to turn at up to {speeds.max():.2f} rad/s, and servos as they "
+            f"are delivered go at {most:.2f} rad/s",
             f"servo = {self._servo.name!r}",
-            f"write {counts} into their speed register, and set servo_data."
-            f"profile_speed={counts * kind.resolution:.2f}, or lower swing_speed "
-            "if legs swing so fast, lift_height if they lift so fast",
+            f"write {counts} into their speed register, and --set servo_data."
+            f"profile_speed={counts * kind.resolution:.2f}, or {' '.join(asked)}",
         )
 
     def require_reach(self, schedule: Schedule, torques: FeedForward | None) -> None:

@@ -13,6 +13,7 @@ import numpy as np
 
 from models import MeasurementError
 from planner import Array
+from sim.drive.drive import Drive
 from sim.evaluation.causes import Evidence
 from sim.evaluation.deviations import (
     LEAST_WAY,
@@ -271,7 +272,8 @@ def summarise(
         ),
         error=errors | absent | off_goal,
         error_sources=None if scenario.replan else {**sources, **absent},
-        servo=setup.servo.table(setup.world.servo),
+        servo=setup.servo.table(setup.world.servo)
+        | {"feed_forward": setup.servo.feed_forward or Drive(setup).feeds_forward},
         weighed=evaluation.weighed,
         deviation=evaluation.deviation,
         feedback=sensed(walk),

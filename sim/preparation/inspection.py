@@ -71,8 +71,8 @@ def inspected(scenario: Scenario, robot: Robot) -> Facts:
 def _servos(scenario: Scenario, kinematics: Kinematics, world: World) -> Facts:
     """Servos as they are simulated, and the torque that walking asks of them [N m].
 
-    It is that of the joint that bears most, at rest and with feet that slide; makes are
-    those that have it, the weakest first.
+    It is that of the joint that bears most, at rest and with feet that slide. All walks
+    are within that of `makes`; `some` have what standing takes. The weakest are first.
     """
     robot = kinematics.robot
     asked, strata = servo_settings(scenario, robot.card), robot.card.strata
@@ -82,6 +82,7 @@ def _servos(scenario: Scenario, kinematics: Kinematics, world: World) -> Facts:
     )
     first = sliding.round(6).argmax()  # of those that bear as much
     stratum, leg = np.unravel_index(first, sliding.shape)
+    least, most = float(standing[stratum, leg]), float(sliding.max())
     model = load_world(world)
     lifts = [actuator_of(model, joint) for joint in robot.lift_joints]
     weakest = float(model.actuator_forcerange[lifts, 1].min())  # 0 without a limit
@@ -92,9 +93,10 @@ def _servos(scenario: Scenario, kinematics: Kinematics, world: World) -> Facts:
         "torque": asked.torque or weakest or None,
         "joint": robot.lift_joints[leg],
         "stratum": strata[stratum],
-        "standing": float(standing[stratum, leg]),
-        "sliding": float(sliding.max()),
-        "makes": [name for most, name in makes if most > sliding.max()],
+        "standing": least,
+        "sliding": most,
+        "makes": [name for torque, name in makes if torque > most],
+        "some": [name for torque, name in makes if least < torque <= most],
     }
 
 

@@ -49,8 +49,9 @@ def read_table(path: Path) -> tuple[dict[str, list[object]], dict[str, Any]]:
             remedy = (
                 "end its sweep with --resume, or merge its shards: stratawalk merge"
             )
-        elif any(path.parent.glob("*/scenario.toml")):
-            remedy = f"runs are compared: stratawalk compare {path.parent}"
+        elif len(runs := sorted(path.parent.glob("*/summary.json"))) > 1:
+            two = " ".join(str(run.parent) for run in runs[-2:])
+            remedy = f"runs are compared: stratawalk compare {two}"
         raise UsageError("no such table", str(path), remedy)
     try:
         declared = parquet.read_metadata(path)

@@ -26,7 +26,17 @@ def test_a_robot_s_facts_tell_the_torques_of_a_walk(scenario, robot):
     walked = np.abs(Rehearsal(setup).torques(swung(setup)).values).max()
     assert servos["standing"] < walked < servos["sliding"]  # 0.78, 0.91 and 1.25 N m
     enough = {n for n in SERVO_KINDS if SERVO_KINDS[n].stall_torque > walked}
-    assert {*servos["makes"]} <= enough
+    assert {*servos["makes"]} <= enough <= {*servos["makes"], *servos["some"]}
+
+
+def test_a_make_that_carries_a_walk_is_told_though_not_every_walk(scenario):
+    """0.78 N m to stand, 1.2 N m as feet slide, and 1.08 N m of an MG996R."""
+    setup = prepare(scenario(robot="hexapod", servo="mg996r"))
+    servos = facts_of(setup)["servos"]
+    assert servos["some"] == ["mg996r"]
+    assert "mg996r" not in servos["makes"]
+    torques = Rehearsal(setup).torques(schedule := swung(setup, 0.1))
+    Drive(setup).require_strength(schedule, torques)
 
 
 def test_stiff_servos_on_few_commands_a_second_are_refused(scenario):
@@ -86,6 +96,27 @@ def test_a_servo_set_to_go_slowly_is_refused_with_its_register(scenario):
         drive.require_strength(schedule, nothing)
     faster = prepare(scenario(**sts, servo_data={"profile_speed": 5.0}))
     Drive(faster).require_strength(schedule, nothing)
+
+
+@pytest.mark.parametrize(
+    ("fast", "advised"),
+    [(0.4, ["lift_height"]), (1.5, ["swing_speed", "lift_height"])],
+)
+def test_slower_motion_that_is_advised_is_slow_enough_at_once(scenario, fast, advised):
+    sts = {"robot": "hexapod-classroom", "servo": "sts3215", "swing_speed": fast}
+    with pytest.raises(UsageError, match="are delivered go at 0.61") as refusal:
+        require_strength(prepare(scenario(**sts)))
+    named = re.findall(r"--set (\w+)=([\d.]+)", refusal.value.remedy)
+    assert [name for name, _ in named] == advised
+    slower = {name: float(value) for name, value in named}
+    require_strength(prepare(scenario(**sts | slower)))
+
+
+def require_strength(setup):
+    """Of a stroke that takes no torque."""
+    schedule = swung(setup, 0.3)
+    nothing = FeedForward(np.zeros((schedule.stop // 10, setup.model.nu)), 10)
+    Drive(setup).require_strength(schedule, nothing)
 
 
 def test_a_run_leaves_open_what_follows_from_a_make_so_that_another_may_be_named(

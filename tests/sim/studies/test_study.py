@@ -173,6 +173,23 @@ def test_what_is_no_table_of_a_sweep_is_refused(tmp_path):
         read_results(tmp_path / "none.parquet", "ideal")
 
 
+def test_a_folder_of_runs_is_told_which_two_can_be_compared(tmp_path):
+    for name, file in (("a", "summary"), ("b", "summary"), ("c", "scenario")):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / f"{file}.json").touch()
+    with pytest.raises(UsageError) as refusal:
+        read_results(tmp_path, "ideal")
+    two = f"{tmp_path / 'a'} {tmp_path / 'b'}"
+    assert refusal.value.remedy == f"runs are compared: stratawalk compare {two}"
+
+
+def test_a_prediction_that_was_left_out_is_refused_with_those_that_were_made(folder):
+    with pytest.raises(UsageError, match="not compared with the compliant") as refusal:
+        read_results(folder, "compliant")
+    assert refusal.value.remedy == "give --prediction quasi-static"
+    read_results(folder, "quasi_static")
+
+
 @pytest.mark.parametrize("name", shipped_studies())
 def test_every_point_of_a_shipped_study_is_possible(name):
     study = read_sweep(name)
