@@ -126,8 +126,7 @@ def _bars() -> Iterator[Progress]:
         rich.TimeElapsedColumn(),
         "{task.fields[left]}",
     )
-    console = Console(stderr=True)
-    with rich.Progress(*columns, console=console, transient=True) as bars:
+    with rich.Progress(*columns, console=Console(stderr=True), transient=True) as bars:
         tasks: dict[str, rich.TaskID] = {}
         paces: dict[str, Pace] = {}
 

@@ -222,5 +222,4 @@ class _Balance:
         turned = np.swapaxes(self.arms, -1, -2)  # (N, 3, F)
         stiffness = turned @ (k[..., None] * self.arms)
         missing = self.moments[..., None] - turned @ pushed[..., None]
-        sunk = np.linalg.solve(stiffness, missing)
-        return k * (self.arms @ sunk)[..., 0] + pushed
+        return k * (self.arms @ np.linalg.solve(stiffness, missing))[..., 0] + pushed

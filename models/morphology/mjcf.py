@@ -112,8 +112,7 @@ def legs_on_a_circle(
         px, py = pivots[number]
         along = atan2(hip[1] - py, hip[0] - px)
         foot = (hip[0] + length * cos(along), hip[1] + length * sin(along))
-        turned = atan2(sin(along - bearing), cos(along - bearing))
-        legs[number] = Leg(hip, foot, turned)
+        legs[number] = Leg(hip, foot, atan2(sin(along - bearing), cos(along - bearing)))
     return legs
 
 

@@ -29,8 +29,7 @@ _POINTS, _WEIGHTS = legendre.leggauss(PANEL_NODES)
 def _integrals(u: Array) -> Array:
     """Integrals from 0 to u of the shifted Legendre polynomials, (..., PANEL_NODES)."""
     P = legendre.legvander(2 * u - 1, PANEL_NODES)  # (..., PANEL_NODES + 1)
-    k = np.arange(1, PANEL_NODES)
-    higher = (P[..., 2:] - P[..., :-2]) / (2 * (2 * k + 1))
+    higher = (P[..., 2:] - P[..., :-2]) / (2 * (2 * np.arange(1, PANEL_NODES) + 1))
     return np.concatenate([u[..., None], higher], axis=-1)
 
 

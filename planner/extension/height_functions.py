@@ -188,5 +188,4 @@ def _potential(rates: Rates, angles: tuple[sp.Symbol, sp.Symbol]) -> sp.Expr:
     first, second = angles
     s = sp.Dummy()
     along = sp.integrate(rates[0].subs({first: s, second: 0}), (s, 0, first))
-    across = sp.integrate(rates[1].subs(second, s), (s, 0, second))
-    return sp.expand(along + across)
+    return sp.expand(along + sp.integrate(rates[1].subs(second, s), (s, 0, second)))

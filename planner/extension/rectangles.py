@@ -166,8 +166,7 @@ class Rectangles:
             return units
         fields *= self.units.weights[:, None]
         own, beyond = np.split(fields, [len(self.hall.elements)], axis=-1)
-        sides = self._sides(beyond * weights(self._beyond, units)[:, None])
-        scales = units * sides
+        scales = units * self._sides(beyond * weights(self._beyond, units)[:, None])
         factors = weights(self.hall.elements, scales)
         further = beyond * weights(self._beyond, scales)[:, None]
         own = own * factors[:, None]

@@ -200,8 +200,7 @@ class Steering:
         if self.hall.only_pair is None:
             units = np.ones((len(h), len(self.hall.generators)))
             backward = self._spelled(h, "backward", units)
-            forward = self._spelled(h, "forward", units)
-            pairs = zip(backward, forward, strict=True)
+            pairs = zip(backward, self._spelled(h, "forward", units), strict=True)
             return [min(p, key=lambda word: sum(map(abs, word[1]))) for p in pairs]
         first, second = self.hall.only_pair
         count = len(self.hall.generators)

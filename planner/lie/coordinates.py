@@ -152,8 +152,7 @@ def integrate(
         return path
 
     every = ((j, inputs[..., j]) for j in range(inputs.shape[-1]))
-    driven = {j: v for j, v in every if v.any()}
-    coordinate_rates(algebra, driven, advance)
+    coordinate_rates(algebra, {j: v for j, v in every if v.any()}, advance)
     return h
 
 

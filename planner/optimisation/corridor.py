@@ -66,8 +66,7 @@ def _followed(
         most = _frechet(apart)
         forward = _reachable(apart, most)
     backward = _reachable(apart[::-1, ::-1], most)[::-1, ::-1]
-    companions = np.where(forward & backward, apart, np.inf).argmin(axis=1)
-    off = states - path[companions]
+    off = states - path[np.where(forward & backward, apart, np.inf).argmin(axis=1)]
     found = [np.linalg.norm(off[:, list(group)], axis=1) for group in groups]
     return most, np.stack(found, axis=1)
 

@@ -138,8 +138,7 @@ class Unknowns:
             for j, recovery in enumerate(() if self.task.centred else stage.recoveries):
                 i = recovery.coordinate
                 later = (m for m in range(k + 1, self.count) if i in rates[m])
-                targets = (-strokes[m] * rates[m][i] / 2 for m in later)
-                target = next(targets, start[i])
+                target = next((-strokes[m] * rates[m][i] / 2 for m in later), start[i])
                 amounts[k, j] = (target - now[i]) / recovery.rate
                 now[i] = target
             for i, rate in rates[k].items():

@@ -193,8 +193,7 @@ class _Batch:
     def _place(self, chosen: list[int], ways: Array, start: Array) -> None:
         """Let every flow begin where the one before it ends."""
         ends = start[:, None] + np.cumsum(ways[:, -1], axis=1)
-        begins = np.hstack([start[:, None], ends[:, :-1]])
-        self.states[chosen] = begins[:, None] + ways
+        self.states[chosen] = np.hstack([start[:, None], ends[:, :-1]])[:, None] + ways
 
     def _steady(self, chosen: list[int]) -> Array:
         """Rates of some coordinates where they are constant, (coordinates, flows)."""

@@ -113,8 +113,7 @@ def run_of(options: argparse.Namespace) -> Path:
     """
     folder = Path(options.run)
     ended = runs_in(folder)
-    holds_runs = folder == Path("runs") or ended
-    if (folder / "scenario.toml").exists() or not holds_runs:
+    if (folder / "scenario.toml").exists() or not (folder == Path("runs") or ended):
         return folder
     if not ended:
         raise UsageError("no run here", str(folder), "walk one: stratawalk run line")

@@ -191,8 +191,7 @@ def _gait(system: StratifiedSystem, words: Sequence[str]) -> tuple[str, ...]:
     """Strata by name, written with the S of the paper or without."""
     from planner import Gait, StratumError
 
-    known = system.strata
-    bare = [w[1:] if w not in known and w[:1] == "S" else w for w in words]
+    bare = [w[1:] if w not in system.strata and w[:1] == "S" else w for w in words]
     try:
         return Gait(system, tuple(bare)).strata
     except StratumError as error:

@@ -129,10 +129,9 @@ def real_robot(walk: Walk, real: Measured | None) -> Real | None:
     simulated = dict(zip(("roll", "pitch"), (lean - lean[0]).T, strict=True))
     if log.measured is not None:
         angles = turned(model, moments.qpos[on], log.joints, BACKLASH)
-        columns = zip(angles.T, log.measured.T, strict=True)
         apart = [
             angle - np.interp(time[on], log.time[there], column[there])
-            for angle, column in columns
+            for angle, column in zip(angles.T, log.measured.T, strict=True)
             if (there := np.isfinite(column)).any()
         ]
         joints = float(np.sqrt(np.mean(np.square(apart))))

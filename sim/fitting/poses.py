@@ -186,13 +186,12 @@ def _changed(robot: Robots, values: Array) -> Robots:
     moment[:, 1] += left
     size, usual = np.linalg.norm(robot.gravity[0]), np.log(robot.stiffness).mean()
     tilt = np.column_stack([down_ahead, down_left]) + LEVEL
-    down = -np.sqrt(1 - (tilt**2).sum(axis=1))
     return replace(
         lanes,
         friction=lanes.friction - lanes.friction.mean() + friction[:, None, None],
         body_mass=body,
         mass=lanes.mass + mass,
         body_center=moment / body[:, None],
-        gravity=size * np.column_stack([tilt, down]),
+        gravity=size * np.column_stack([tilt, -np.sqrt(1 - (tilt**2).sum(axis=1))]),
         stiffness=lanes.stiffness * np.exp(stiffness - usual)[:, None, None],
     )

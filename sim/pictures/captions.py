@@ -265,8 +265,7 @@ def inset(walk: Run, view: Camera, top: int) -> Panel:
     for i, (name, poses) in enumerate([*walk.drawn.items()][:PLOTS]):
         error = np.nan_to_num((walk.achieved - poses)[:, :2])
         error, left = error @ np.transpose([right, away]), PAD + i * (BOX + APART)
-        largest = float(np.hypot(*error.T).max())
-        factor = magnification(largest, BOX / 2 * FILL / floor)
+        factor = magnification(float(np.hypot(*error.T).max()), BOX / 2 * FILL / floor)
         trail = Trail(palette.PREDICTED[name].colour, error, factor * floor, left)
         label = PREDICTIONS[name].label if name in PREDICTIONS else name
         text(draw, (left, 32), f"{label}, {factor:g}x", colour=trail.colour)

@@ -95,8 +95,7 @@ def dashes(line: Array, period: float, width: float) -> Drawing:
     way, pieces = length_up_to(line), []
     for start in np.arange(0.0, way[-1], period):
         stop = min(start + 0.5 * period, way[-1])
-        inner = way[(way > start) & (way < stop)]
-        at = np.concatenate([[start], inner, [stop]])
+        at = np.concatenate([[start], way[(way > start) & (way < stop)], [stop]])
         piece = np.stack([np.interp(at, way, c) for c in line.T], axis=1)
         pieces.append(ribbon(piece, np.zeros(len(piece), int), width))
     return join(pieces)

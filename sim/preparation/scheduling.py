@@ -88,8 +88,7 @@ def _shared(stay: list[Move], groups: Sequence[str]) -> list[Move]:
     shared = []
     for (number, flow, direction), length in zip(strokes, lengths, strict=True):
         along = ways.sum(axis=0) * (length / sum(lengths) / flow.duration)
-        both = tuple((np.array(direction) + along).tolist())
-        shared.append((number, flow, both))
+        shared.append((number, flow, tuple((np.array(direction) + along).tolist())))
     return shared
 
 

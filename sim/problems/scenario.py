@@ -251,7 +251,6 @@ class ScenarioProblem(Problem):
 def miss_of(setup: Setup, pose: Array, goal: Array) -> float:
     """How far a pose (3,) is off a goal, as a share of the way; yaw counts by feet."""
     arm = setup.kinematics.reach
-    turn = abs(setup.nominal()(1.0)[2])
-    way = max(setup.scenario.path.length, arm * turn)
+    way = max(setup.scenario.path.length, arm * abs(setup.nominal()(1.0)[2]))
     off = max(math.dist(pose[:2], goal[:2]), arm * abs(wrap(pose[2] - goal[2])))
     return float(off / way) if way else 0.0

@@ -170,6 +170,5 @@ def _height(runs: Iterable[Run]) -> float:
 def _walked(run: Run, poses: Array) -> Array:
     """Points of a path about evenly apart, the last one among them, (2, N) [mm]."""
     points = poses[run.walking, :2]
-    extent = float(np.ptp(points, axis=0).max()) or 1.0
-    rows = spaced_rows(points, SPACING * extent)
+    rows = spaced_rows(points, SPACING * (float(np.ptp(points, axis=0).max()) or 1.0))
     return MM * points[np.unique(np.append(rows, len(points) - 1))].T

@@ -52,10 +52,9 @@ def software() -> dict[str, str]:
 def differences(first: Mapping[str, object], second: Mapping[str, object]) -> list[str]:
     """What two tables disagree on by dotted names, as `key: value, now value`."""
     one, other = dict(flat(first)), dict(flat(second))
-    keys = [*one, *(key for key in other if key not in one)]
     return [
         f"{key}: {_shown(one, key)}, now {_shown(other, key)}"
-        for key in keys
+        for key in [*one, *(key for key in other if key not in one)]
         if one.get(key) != other.get(key)
     ]
 
