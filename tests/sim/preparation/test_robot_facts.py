@@ -34,6 +34,25 @@ def test_a_robot_of_ones_own_is_shown_leg_by_leg(scenario, tmp_path):
     assert "gait        12 1 12 2 12, the groups of legs that stand in turn" in lines
 
 
+@pytest.mark.parametrize(
+    ("servo", "told", "some"),
+    [
+        ("ideal", "without a largest torque, unlike any real servo", "mg996r"),
+        ("mg996r", "at most 1.08 N m, perhaps too weak to walk", "mg996r"),
+    ],
+)
+def test_servos_and_makes_are_told_by_what_they_can_carry(scenario, servo, told, some):
+    text = render("robot.txt", **facts_of(prepare(scenario(servo=servo))))
+    servos, makes = (
+        next(line for line in text.splitlines() if line.startswith(head))
+        for head in ("servos ", "makes ")
+    )
+    assert told in servos
+    enough, _, perhaps = makes.partition("; for some walks: ")
+    assert "for every walk: ax-12" in enough
+    assert perhaps.startswith(f"{some}; `run` says")
+
+
 def test_the_command_shows_one_robot_or_why_it_cannot_be_used(tmp_path, capsys):
     path = foreign.mantis(tmp_path)
     assert cli.main(["robots", str(path), "--json"]) == 0
