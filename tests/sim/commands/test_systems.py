@@ -106,15 +106,6 @@ def test_replanned_system_meets_its_goal(facts):
     assert facts("plan", "biped", "--replan")["error"] < 1e-9  # what aiming promises
 
 
-def test_what_replanning_does_to_a_single_segment_is_told(stratawalk):
-    said = "--replan searches inputs with which the segment itself ends at the goal"
-    for segments, told in (("1", True), ("2", False)):
-        code, out, _ = stratawalk("plan", "unicycle", "--segments", segments)
-        assert code == 0
-        assert "--replan ends" in out
-        assert (said in out) is told
-
-
 def test_goal_start_segments_elements_and_parameters_are_options(facts):
     planned = facts(
         *("plan", "paper-hexapod", "--set", "stride=2", "--segments", "3"),

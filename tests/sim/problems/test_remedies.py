@@ -151,3 +151,12 @@ def test_a_plan_that_steering_does_not_bring_home_is_told_other_fields(fields):
     assert ("--set fields=lifted, so that no foot has to" in error) == (
         fields == "paper"
     )
+
+
+@pytest.mark.parametrize(("segments", "told"), [("1", True), ("2", False)])
+def test_what_replanning_does_to_a_single_segment_is_told(stratawalk, segments, told):
+    code, out, _ = stratawalk("plan", "unicycle", "--segments", segments)
+    assert code == 0
+    assert "--replan ends" in out
+    said = "--replan searches inputs with which the segment itself ends at the goal"
+    assert (said in out) is told
