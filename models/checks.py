@@ -22,9 +22,7 @@ def check_parts(robot: Robot) -> None:
     """Refuse a card whose legs do not match the model."""
     model = robot.model
     if not model.body(root_body(model, robot.path)).name:
-        raise ModelError(
-            f"the body with the free joint has no name: {robot.path}; give it one"
-        )
+        raise ModelError(f"the free body has no name: {robot.path}; give it one")
     _check_names(robot)
     if (farthest := np.abs(robot.start_qpos).max()) > FARTHEST:
         raise ModelError(

@@ -129,6 +129,5 @@ def _card(path: Path, beside: Path) -> tuple[str, str]:
     if spec.modelname in shipped_robots():
         shipped = FOLDER / f"{spec.modelname}.toml"
         return read_text(shipped), str(shipped)
-    raise ModelError(
-        f"no robot card: {beside} is missing; draft one: stratawalk adopt {path}"
-    )
+    remedy = f"draft one: stratawalk adopt {path}"
+    raise ModelError(f"no robot card: {beside} is missing; {remedy}")

@@ -50,8 +50,7 @@ class Writer:
 
     def prepared(self, prepared: Prepared) -> None:
         """Everything that the run depends on; the folder can be run again anywhere."""
-        row = 8 * (1 + prepared.setup.model.nu)
-        self.folder.reserve(prepared.steps * row // DENSE)
+        self.folder.reserve(prepared.steps * 8 * (1 + prepared.setup.model.nu) // DENSE)
         self.setup(prepared.setup, prepared.scenario)
 
     def setup(self, setup: Setup, scenario: Scenario) -> None:

@@ -88,9 +88,8 @@ def source_of(name: str, allow_external: bool = False) -> Source:
     if path.is_dir():
         path = _in_folder(path)
     if not path.is_file():
-        raise UnknownRobotError(
-            f"no such robot: {path}; give an MJCF or URDF file, or a folder with one"
-        )
+        remedy = "give an MJCF or URDF file, or a folder with one"
+        raise UnknownRobotError(f"no such robot: {path}; {remedy}")
     if path.suffix.lower() != ".urdf":
         inspect_model(path, (), allow_external, LIMITS)
         return Source(path, path, None)

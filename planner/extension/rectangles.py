@@ -87,8 +87,7 @@ class InputUnits:
 
     def _lengths(self, x: Array) -> Array:
         """Lengths of the generators; 0 where one vanishes or is not finite."""
-        moved = self.generators.values(x) * self._counted
-        lengths = np.linalg.norm(moved, axis=-2)
+        lengths = np.linalg.norm(self.generators.values(x) * self._counted, axis=-2)
         return np.where(np.isfinite(lengths), lengths, 0.0)
 
     @cached_property
@@ -112,8 +111,7 @@ class InputUnits:
         the joints are counted; mean rates of any other add up to more than 0.
         """
         values = self.generators.values(self._nearby) * self.weights[:, None]
-        sound = np.isfinite(values).all(axis=(1, 2))
-        rates = values[sound].sum(axis=0)  # (n, m)
+        rates = values[np.isfinite(values).all(axis=(1, 2))].sum(axis=0)  # (n, m)
         sizes = np.abs(rates)
         first = (sizes >= (1.0 - EQUAL) * sizes.max(axis=0)).argmax(axis=0)
         largest = np.take_along_axis(rates, first[None], axis=0)[0]

@@ -71,9 +71,8 @@ class LieAlgebra:
 
     def __post_init__(self) -> None:
         if not self.basis:
-            raise ValueError(
-                "the basis is empty; take hall_basis(generators, max_degree)"
-            )
+            remedy = "take hall_basis(generators, max_degree)"
+            raise ValueError(f"the basis is empty; {remedy}")
         here = set(self.basis)
         if [e for e in self._free_basis if e in here] != list(self.basis):
             raise ValueError(

@@ -112,9 +112,8 @@ def load_plan(path: Path | str) -> Plan:
     try:
         table = json.loads(read_file(path, MOST_BYTES))
     except (ValueError, RecursionError):
-        raise ValueError(
-            f"{path} is not JSON; give a file that a plan was saved to"
-        ) from None
+        remedy = "give a file that a plan was saved to"
+        raise ValueError(f"{path} is not JSON; {remedy}") from None
     if not isinstance(table, dict) or table.get("format") != FORMAT:
         raise ValueError(f"{path} is not a plan of the format {FORMAT!r}; save it anew")
     try:

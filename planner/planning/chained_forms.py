@@ -229,9 +229,8 @@ def chained_form(
     """
     fields = list(system.fields.values())
     if len(fields) != 2 or any(isinstance(f, NumericField) for f in fields):
-        raise PlannerError(
-            f"the system has {len(fields)} fields; a chained form has two, by formulas"
-        )
+        remedy = "a chained form has two, by formulas"
+        raise PlannerError(f"the system has {len(fields)} fields; {remedy}")
     columns = [sp.Matrix(field) for field in fields]
     if outputs is not None:
         return _formed(system, columns, outputs.of(system.state))

@@ -36,9 +36,8 @@ def checked_state(state: Iterable[str | sp.Symbol]) -> Symbols:
     names = [str(s) for s in symbols]
     for s, name in zip(symbols, names, strict=True):
         if not isinstance(s, sp.Symbol) or not NAME.fullmatch(name):
-            raise ValueError(
-                f"state has {name}, which is not a name; use letters, digits, _"
-            )
+            remedy = "use letters, digits, _"
+            raise ValueError(f"state has {name}, which is not a name; {remedy}")
         if name in RESERVED:
             raise ValueError(f"state has {name}, which formulas use; rename it")
         if names.count(name) > 1:
@@ -51,9 +50,8 @@ def checked_strata(
 ) -> dict[str, dict[str, VectorField]]:
     """Fields of each stratum as immutable columns, or as numeric fields."""
     if not strata or not any(strata.values()):
-        raise ValueError(
-            "strata hold no fields; give at least one stratum with one field"
-        )
+        remedy = "give at least one stratum with one field"
+        raise ValueError(f"strata hold no fields; {remedy}")
     checked: dict[str, dict[str, VectorField]] = {}
     owner: dict[str, str] = {}
     for stratum, fields in strata.items():
@@ -158,9 +156,8 @@ def checked_level_sets(
         for f in functions:
             slopes = LevelSet((f,), state).differential
             if slopes.atoms(sp.Derivative) - f.atoms(sp.Derivative):
-                raise ValueError(
-                    f"{what}, {f}, has no derivative (Def. 1); give a smooth function"
-                )
+                remedy = "give a smooth function"
+                raise ValueError(f"{what}, {f}, has no derivative (Def. 1); {remedy}")
         level_set, count = LevelSet(functions, state), len(functions)
         if functions and level_set.differential.rank() < count:
             what = f"level sets of S{stratum} are not independent"

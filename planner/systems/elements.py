@@ -47,9 +47,8 @@ def parse_names(text: str) -> Tree:
     stream = iter(tokens)
     tree = _read(stream, text)
     if next(stream, None) is not None:
-        raise ValueError(
-            f"element {text!r} goes on after its end; write a field or [a,b]"
-        )
+        remedy = "write a field or [a,b]"
+        raise ValueError(f"element {text!r} goes on after its end; {remedy}")
     return tree
 
 

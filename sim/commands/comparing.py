@@ -34,9 +34,8 @@ def compare(options: argparse.Namespace) -> None:
         two = f"write stratawalk compare {newest}" if " " in newest else ""
         raise UsageError(what, options.runs[0], two or "give two or more, or use show")
     if options.out is not None and Path(options.out).suffix not in (".html", ".htm"):
-        raise UsageError(
-            "not a page's name", f"--out {options.out}", "give a name in .html"
-        )
+        where = f"--out {options.out}"
+        raise UsageError("not a page's name", where, "give a name in .html")
     runs = []
     with bar(quiet=options.json) as progress:
         for number, folder in enumerate(map(Path, options.runs), start=1):

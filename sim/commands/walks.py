@@ -250,10 +250,8 @@ def describe(tries: Sequence[Try], path_length: float) -> Iterator[str]:
         values = [v for one in walked if (v := getattr(one, name)) is not None]
         if not values:
             continue
-        ends = (
-            median(values),
-            min(values) if quantity is quantities.MARGIN else max(values),
-        )
+        worst = min if quantity is quantities.MARGIN else max
+        ends = median(values), worst(values)
         words = [quantity.words(end) for end in ends]
         if quantity is quantities.POSITION and path_length:
             words = [

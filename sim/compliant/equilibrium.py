@@ -267,8 +267,7 @@ def _step(
     GT = np.swapaxes(contact.reach, 2, 3)
     K = (GT @ PQG).sum(axis=1) + contact.inertia
     K[:, range(6), range(6)] += EASE
-    rest = state.unbalanced[..., None] - (GT @ PF).sum(axis=1)
-    dx = np.linalg.solve(K, rest)
+    dx = np.linalg.solve(K, state.unbalanced[..., None] - (GT @ PF).sum(axis=1))
     return dx[..., 0], (-PF - PQG @ dx[:, None])[..., 0]
 
 

@@ -45,8 +45,7 @@ class Motion(NamedTuple):
 
     def at(self, time: Array) -> Motion:
         """Between its moments, at times (T,); of two moments at a time the first."""
-        last = len(self.time) - 1
-        after = np.clip(np.searchsorted(self.time, time - 1e-9), 1, last)
+        after = np.clip(np.searchsorted(self.time, time - 1e-9), 1, len(self.time) - 1)
         span = self.time[after] - self.time[after - 1]
         part = (time - self.time[after - 1]) / np.where(span > 0, span, 1.0)
         part = np.clip(part, 0.0, 1.0)

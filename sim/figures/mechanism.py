@@ -78,8 +78,7 @@ def _draw_above(axes: Axes, legs: Sequence[tuple[Cell, ...]]) -> None:
         number: Style = {"ha": "center", "va": "bottom" if side > 0 else "top"}
         axes.text(foot[0], foot[1] + 0.14 * side, str(leg), color=colour, **number)
     x, y = STANCE.hips(1)[0]
-    swept = [x, x - np.sin(SWUNG)], [y, y + np.cos(SWUNG)]
-    axes.plot(*swept, ":", color=TRIPODS["1"])
+    axes.plot([x, x - np.sin(SWUNG)], [y, y + np.cos(SWUNG)], ":", color=TRIPODS["1"])
     axes.text(x - 0.17, y + 0.62, r"$\varphi_1$", ha="center", color=TRIPODS["1"])
     for name, of in LEGS.items():
         label = f"tripod {name}: legs {', '.join(map(str, of))}"

@@ -165,8 +165,7 @@ def estimate(
         tried = np.maximum(value + LENGTHS[:, None, None] * way, low)
         cost = _cost(missed(model(tried)), weight, tried - start, spread)
         new = tried[cost.argmin(axis=0), np.arange(len(value))]
-        now = _cost(left, weight, value - start, spread)
-        better = cost.min(axis=0) < now - SETTLED
+        better = cost.min(axis=0) < _cost(left, weight, value - start, spread) - SETTLED
         if not better.any():
             break
         value = np.where(better[:, None], new, value)

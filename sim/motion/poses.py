@@ -35,8 +35,7 @@ def lean_of(qpos: Array, address: int) -> Array:
     """Roll and pitch of such a body, about its own axes, shape (..., 2) [rad]."""
     w, x, y, z = np.moveaxis(qpos[..., address + 3 : address + 7], -1, 0)
     roll = np.arctan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
-    pitch = np.arcsin(np.clip(2 * (w * y - z * x), -1, 1))
-    return np.stack([roll, pitch], axis=-1)
+    return np.stack([roll, np.arcsin(np.clip(2 * (w * y - z * x), -1, 1))], axis=-1)
 
 
 def seen_from(origin: Array, pose: Array) -> Array:

@@ -224,8 +224,7 @@ class Scheduler:
         groups = self._limits.groups
         for group in [g for g in groups if g in stratum and g not in self._stratum]:
             self._move("land", group, -self._limits.lift_angle)
-            standing = self._stratum + group
-            self._stratum = "".join(g for g in groups if g in standing)
+            self._stratum = "".join(g for g in groups if g in self._stratum + group)
         for group in [g for g in self._stratum if g not in stratum]:
             self._stratum = self._stratum.replace(group, "")
             self._move("lift", group, self._limits.lift_angle)

@@ -58,8 +58,7 @@ def carrying(points: Array, contact: Array, center_of_mass: Array) -> Array:
     if standing.all():
         return contact
     far = np.linalg.norm(points - center_of_mass[:, None, :2], axis=2)
-    nearest = far == far.min(axis=1, keepdims=True)
-    return contact | (nearest & ~standing[:, None])
+    return contact | ((far == far.min(axis=1, keepdims=True)) & ~standing[:, None])
 
 
 class LeastMargin:

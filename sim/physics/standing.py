@@ -141,8 +141,7 @@ class _Standing:
     data: mujoco.MjData
 
     def tipped(self) -> Iterator[tuple[str, str]]:
-        up = self.data.body(self.robot.root).xmat[8]
-        tilt = float(np.arccos(np.clip(up, -1, 1)))
+        tilt = float(np.arccos(np.clip(self.data.body(self.robot.root).xmat[8], -1, 1)))
         if tilt > UPRIGHT:
             yield (
                 f"it tilts by {np.rad2deg(tilt):.3g} degrees in {self.data.time:.2g} s",

@@ -182,5 +182,4 @@ def _axes(azimuth: Array | float, elevation: float) -> tuple[Array, Array, Array
     cos, sin, level = np.cos(turn), np.sin(turn), np.zeros_like(turn)
     forward = (cos * np.cos(tilt), sin * np.cos(tilt), level + np.sin(tilt))
     up = (-cos * np.sin(tilt), -sin * np.sin(tilt), level + np.cos(tilt))
-    right = (sin, -cos, level)
-    return np.stack(forward, -1), np.stack(right, -1), np.stack(up, -1)
+    return np.stack(forward, -1), np.stack((sin, -cos, level), -1), np.stack(up, -1)

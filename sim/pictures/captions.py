@@ -250,8 +250,7 @@ class Trail:
         draw.ellipse(around, None, palette.FAINT, 1)
         draw.line((x - CROSS, y, x + CROSS, y), palette.FAINT, 1)
         draw.line((x, y - CROSS, x, y + CROSS), palette.FAINT, 1)
-        place = left, TOP + BOX + 4
-        text(draw, place, f"ring {1000 * ring:g}", colour=palette.FAINT)
+        text(draw, (left, TOP + BOX + 4), f"ring {1000 * ring:g}", colour=palette.FAINT)
 
 
 def inset(walk: Run, view: Camera, top: int) -> Panel:

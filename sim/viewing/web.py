@@ -70,8 +70,7 @@ def looked_through(walk: Run) -> mujoco.MjModel:
     """
     model = copy(walk.model)
     walk.require_width(walk.ctrl, model.nu)
-    torso = model.geom_bodyid == root_body(model, walk.model_file)
-    model.geom_rgba[torso, 3] *= TORSO
+    model.geom_rgba[model.geom_bodyid == root_body(model, walk.model_file), 3] *= TORSO
     for part, number in FACES.items():
         setattr(model.vis.quality, part, number)
     scale = model.vis.scale
