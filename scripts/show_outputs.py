@@ -55,7 +55,9 @@ def settings_table() -> str:
         given = item.default is not None and item.default is not MISSING
         default = f"`{json.dumps(item.default)}`" if given else ""
         affects = ", ".join(sorted(item.affects)) + " *" * item.imperfection
-        rows.append(f"`{name}` | {item.allowed} | {default} | {item.about} | {affects}")
+        rows.append(
+            f"`{name}` | {item.allowed} | {default} | {item.meaning} | {affects}"
+        )
     return "".join(f"| {row} |\n" for row in rows)
 
 

@@ -78,8 +78,8 @@ class Setting:
 
     @property
     def allowed(self) -> str:
-        """Values that it may have, to follow the word "give"."""
-        return words(self.kind)
+        """Values that it may have, with their unit, to follow the word "give"."""
+        return f"{words(self.kind)} [{self.unit}]" if self.unit else words(self.kind)
 
     def includes(self, form: object) -> bool:
         """Whether values may be of a type, such as `int`, `tuple`, or `Literal`."""
@@ -183,8 +183,9 @@ def _read_as(value: object, kind: object) -> object:
         return _table(value)
     if kind is str:
         return _text(value, Text())
-    if origin is Literal and value in inner and isinstance(value, str):
-        return value
+    if origin is Literal and isinstance(value, str):
+        spelt = [name.replace("_", "-") for name in inner]  # both spellings are taken
+        return inner[spelt.index(value.replace("_", "-"))]
     if kind in (bool, NoneType) and isinstance(value, kind):
         return value
     raise ValueError

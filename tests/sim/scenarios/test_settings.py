@@ -25,6 +25,19 @@ def test_a_former_name_of_a_setting_works_and_says_the_present_one(old, new, cap
     assert said == f"stratawalk: notice: {old} is now called {new}\n"
 
 
+@pytest.mark.parametrize("mark", "-_")
+def test_words_of_settings_may_be_spelt_with_either_mark(mark):
+    """One setting has the label of a prediction, the other its key."""
+    called = f"quasi{mark}static"
+    line = load_scenario("line", {"steer": called, "predictions": [called]})
+    assert (line.steer, line.predictions) == ("quasi-static", ("quasi_static",))
+
+
+def test_refused_values_are_told_the_unit_of_those_allowed():
+    with pytest.raises(UsageError, match=r"give a number from .* to .* \[m\]$"):
+        load_scenario("line", {"min_margin": "0.01m"})
+
+
 def test_a_setting_under_both_of_its_names_is_refused():
     with pytest.raises(UsageError, match="play and backlash are one setting: .*keep"):
         load_scenario("line", {"play": 0.01, "backlash": 0.02})
