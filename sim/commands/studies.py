@@ -89,7 +89,7 @@ def _print_result(
         f"{result.points} points, {result.walked} walked now, {result.failed} failed",
         ", ".join(f"{word} {count}" for word, count in result.verdicts.items()),
         *(f"{count:6}  {reason}" for reason, count in shown),
-        f"{'table':8}{table}",
+        f"{'table':8}{table}\n{'next':8}stratawalk study {table.parent}",
     )
     if result.failed and not options.json:
         line = f"{result.failed} of {result.points} points failed"

@@ -171,7 +171,7 @@ def write_run_folders(points: Points, folder: SweepFolder) -> list[str]:
             shutil.rmtree(own.path / name, ignore_errors=True)
             scenario = scenario_from(points.tables[point], {}, f"point {point}")
             try:
-                run(scenario, own.inner(name), look=look)
+                run(scenario, own.inner(name), look=look, without=points.sweep.without)
             except FilesError:
                 raise
             except Exception as error:  # its reason stands in the table as well

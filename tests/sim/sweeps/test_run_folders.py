@@ -19,7 +19,7 @@ def walked(tmp_path, monkeypatch):
 
     def walk(film, *files):
         monkeypatch.setattr(
-            sweeping, "run", lambda _, made, look: done.append(made.path)
+            sweeping, "run", lambda _, made, **how: done.append(made.path)
         )
         done = []
         sweep = read_sweep(str(write_sweep(tmp_path, VARIES.format(film=film))))

@@ -211,6 +211,18 @@ def test_chosen_points_have_run_folders(failing):
     rows = pandas.read_parquet(folder / "table.parquet")
     position = summary["error"]["goal"]["position"]
     assert rows["error.goal.position"][1] == position
+    assert rows["verdict"][1] == summary["verdict"]
+    made = {name for name, found in summary["predicted"].items() if found}
+    assert made == {"ideal", "quasi_static"}  # without those that the sweep leaves out
+
+
+def test_a_finished_sweep_names_the_command_that_reads_its_table(failing):
+    folder, done = failing
+    lines = [
+        f"table   {folder / 'table.parquet'}",
+        f"next    stratawalk study {folder}",
+    ]
+    assert done.stdout.splitlines()[-2:] == lines
 
 
 def test_an_unknown_robot_is_refused_before_anything_is_made(tmp_path):
