@@ -93,7 +93,7 @@ class Problem:
     flat: FlatOutputs | None = None
 
     def __post_init__(self) -> None:
-        Gait(self.system, self.gait)
+        object.__setattr__(self, "gait", Gait(self.system, self.gait).strata)
         if self.gait[0] != self.system.bottom:
             raise StratumError(
                 f"gait of {self.name} starts in S{self.gait[0]}; start in the bottom "
@@ -168,8 +168,7 @@ def configuration(
         if name not in names:
             raise ValueError(f"{what} has {name}, which {unknown(name, names)}")
         if not abs(value) < OVERFLOWING:
-            raise ValueError(
-                f"{what} has {name} = {value}; give one below {OVERFLOWING}"
-            )
+            remedy = f"give one below {OVERFLOWING}"
+            raise ValueError(f"{what} has {name} = {value}; {remedy}")
         state[names.index(name)] = value
     return state

@@ -27,9 +27,8 @@ def car_with_trailers(trailers: int = 1, length: float = 1) -> Problem:
     output is the middle of the last axle: where it goes, all before it must steer.
     """
     if not 1 <= trailers <= MOST_TRAILERS:
-        raise ValueError(
-            f"trailers is {trailers}; give 1 to {MOST_TRAILERS}, or use the system car"
-        )
+        remedy = f"give 1 to {MOST_TRAILERS}, or use the system car"
+        raise ValueError(f"trailers is {trailers}; {remedy}")
     x, y, phi = sp.symbols("x y phi")
     headings = sp.symbols(f"theta_0:{trailers + 1}")
     following, speed = [], sp.S.One  # of the axle before
@@ -41,7 +40,7 @@ def car_with_trailers(trailers: int = 1, length: float = 1) -> Problem:
     back, aside = (sp.Add(*map(part, headings[1:])) for part in (sp.cos, sp.sin))
     return smooth(
         name="car-trailers",
-        description="a car with trailers, parked sideways; each needs one more degree",
+        description="a car with trailers, parked sideways; each trailer adds a degree",
         state=["x", "y", *map(str, headings), "phi"],
         fields={"drive": drive, "steer": steer},
         goal={"y": 0.01},

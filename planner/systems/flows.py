@@ -179,7 +179,8 @@ class Gait:
 
     Attributes:
         system: System whose strata it visits.
-        strata: Names of the strata in order; the first and the last are the same.
+        strata: Names of the strata in order, with the S of the paper or without; the
+            first and the last are the same.
 
     Raises:
         StratumError: The sequence is not a closed walk in the graph.
@@ -196,12 +197,14 @@ class Gait:
     strata: tuple[str, ...]
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "strata", tuple(self.strata))
+        known = self.system.strata
+        bare = (s if s in known else s.removeprefix("S") for s in self.strata)
+        object.__setattr__(self, "strata", tuple(bare))
         if not self.strata:
             raise StratumError("a gait visits at least one stratum, got none (eq. 11)")
         for name in self.strata:
             what = f"stratum {name!r} of gait {self}"
-            require_known(what, name, self.system.strata, StratumError)
+            require_known(what, name, known, StratumError)
         if self.strata[0] != self.strata[-1]:
             raise StratumError(
                 f"gait {self} does not close: it starts in S{self.strata[0]} and "

@@ -151,5 +151,5 @@ def shard(text: str) -> object:
 
 
 READERS: Mapping[str, Callable[..., Any]] = {
-    read.__name__: read for read in (str, int, float, whole, real, share, shard)
+    read.__name__: read for read in (str, int, whole, real, share, shard)
 }

@@ -111,7 +111,7 @@ def run_of(options: argparse.Namespace) -> Path:
 
     A folder of runs that has none is a UsageError.
     """
-    folder = Path(options.run)
+    folder = Path(GUESSES["runs"].get(options.run, options.run))
     ended = runs_in(folder)
     if (folder / "scenario.toml").exists() or not (folder == Path("runs") or ended):
         return folder

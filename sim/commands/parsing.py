@@ -25,7 +25,7 @@ EPILOG = (
 )
 OPTIONS = ("-h", "--help", "--version")  # that need no command
 SAME = {"version": "--version", "-V": "--version"}
-PLACE = "the command line"
+PLACE = "stratawalk"
 
 
 class Parser(argparse.ArgumentParser):
@@ -37,6 +37,8 @@ class Parser(argparse.ArgumentParser):
         if lacking != message:
             raise UsageError(f"{lacking} missing", self.prog, str(self.epilog))
         name, _, why = message.removeprefix("argument ").partition(": ")
+        whole = r"\1 is not allowed; give a whole number"
+        why = re.sub("invalid int value: (.*)", whole, why)
         raise UsageError.at(name, ValueError(why), self.epilog or f"see {self.prog} -h")
 
     def parse_known_args(  # type: ignore[override]
@@ -149,7 +151,9 @@ def _instead_of(first: str, rest: Sequence[str]) -> str:
         value = next((word for word in rest[:1] if not word.startswith("-")), "VALUE")
         item, more = SETTINGS[keys[0]], f"; likewise {', '.join(keys[1:])}"
         set_to = f"stratawalk run line --set {_given(keys[0], value)}"
-        return f"try {set_to} ({item.allowed}): {item.about}{more if keys[1:] else ''}"
+        return (
+            f"try {set_to} ({item.allowed}): {item.meaning}{more if keys[1:] else ''}"
+        )
     return "begin with stratawalk run line; stratawalk help lists all commands"
 
 
@@ -171,12 +175,11 @@ def _given(key: str, text: str) -> str:
     return f"{key}={text}"
 
 
-def _goal(words: Sequence[str]) -> str:
+def goal_setting(words: Sequence[str]) -> str:
     """A goal from words such as `0.1 0.2`, `0.1,0.2` or `y=0.2`, for a shell."""
     goal = {"x": "0", "y": "0", "yaw": "0"}
-    for name, word in zip(
-        goal, re.split(r"[\s,\[\]]+", " ".join(words).strip(" [")), strict=False
-    ):
+    text = " ".join(words).strip(" [").replace("theta", "yaw")
+    for name, word in zip(goal, re.split(r"[\s,\[\]]+", text), strict=False):
         own, _, number = word.rpartition("=")
         if re.fullmatch(r"-?[\d.]+", number):
             goal[own if own in goal else name] = number
@@ -191,8 +194,10 @@ def _refuse_option(
     name = option.lstrip("-").replace("-", "_")
     settings = [f"--{key}" for key in SETTINGS if "--set" in known]
     given = value if equals else " ".join(rest[:1]) or "VALUE"
-    words = {"goal": _goal([value, *rest]), "value": given}
+    words = {"goal": goal_setting([value, *rest]), "value": given}
     remedy = GUESSES["options"].get(name, "").format_map(words)
+    if remedy.startswith("write --") and remedy.split()[1] not in known:
+        remedy = ""
     for command, declared in COMMANDS.items():
         if (
             f"--{name}" not in settings

@@ -12,9 +12,19 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from planner import BudgetError, Plan, RangeError, StratumError, load_plan, save_plan
+from planner import (
+    BudgetError,
+    Plan,
+    RangeError,
+    StratumError,
+    load_plan,
+    rollout,
+    save_plan,
+)
 from planner.support import limited
 from sim.commands import options as cli
+from sim.commands.declared import GUESSES
+from sim.commands.parsing import goal_setting
 from sim.commands.plan_report import (
     Accuracy,
     Prospect,
@@ -25,6 +35,7 @@ from sim.commands.plan_report import (
 )
 from sim.commands.systems import coordinates, find, is_system, refused
 from sim.errors import UsageError
+from sim.folder import new_file, whole
 from sim.problems.problem import Problem
 from sim.problems.system import PLAN_TIME, SystemProblem
 from sim.progress import Progress, at_most, bar, stage
@@ -34,15 +45,9 @@ from sim.scenarios.scenario import Scenario
 if TYPE_CHECKING:
     from models import Robot
 
+SAMPLES = 20  # of each flow, in pictures
 Outcome = tuple[Plan, Report]
 FOR_ROBOTS = dict.fromkeys(("robot", "fields", "steer"), "leave it out")
-FOR_SYSTEMS = {
-    "start": "leave it out, scenarios start at the origin",
-    "goal": "set a scenario's path.goal",
-    "elements": "set a scenario's fields",
-    "free": "set a scenario's path_tolerance or yaw_tolerance",
-    "save": "leave it out, run keeps what it walks",
-}
 BY_ELEMENTS = ("elements", "degree", "words", "replan")  # not in chained form
 SETTLED = dict.fromkeys(
     ("start", "goal", *BY_ELEMENTS, "segments", "set", "gait", "optimise", "free"),
@@ -72,7 +77,23 @@ def plan(options: argparse.Namespace) -> None:
     if options.flows:
         facts["flows"] = planned.flows
         text = "\n".join([*map(str, planned.flows), "", text])
+    if options.out:
+        _draw(Path(source).stem, planned, Path(options.out))
+        text += f"\npicture   {options.out}"
     cli.report(options, facts, text)
+
+
+def _draw(name: str, planned: Plan, path: Path) -> None:
+    """Draw the way of a system in its first two coordinates, as y over x."""
+    from matplotlib.figure import Figure
+
+    way, figure = rollout(planned, SAMPLES)[:, :2], Figure(layout="constrained")
+    labels = [f"{s} of {name}, in its own unit" for s in planned.system.state[:2]]
+    axes = figure.add_subplot(xlabel=labels[0], ylabel=labels[-1], aspect="equal")
+    axes.plot(*way.T, "-", *way[0], "ko", *way[-1], "ks")
+    axes.set_title("from the dot to the square")
+    with whole(path) as part:
+        figure.savefig(part, dpi=120)
 
 
 def _is_for_systems(options: argparse.Namespace) -> bool:
@@ -81,9 +102,11 @@ def _is_for_systems(options: argparse.Namespace) -> bool:
     if source.endswith(".json"):
         _refuse(options, SETTLED, "cannot change a saved plan")
     elif not is_system(source, shipped_scenarios()):
-        _refuse(options, FOR_SYSTEMS, "is for systems")
+        _refuse(options, GUESSES["scenarios"], "is for systems")
         return False
     _refuse(options, FOR_ROBOTS, "is for robots")
+    if options.out is not None:
+        new_file(Path(options.out), "picture", ".png", ".svg", ".pdf")
     if options.save == "":
         raise UsageError("an empty name", "--save", "name a file, or leave it out")
     if options.save and os.path.lexists(options.save):
@@ -94,7 +117,8 @@ def _is_for_systems(options: argparse.Namespace) -> bool:
 def _refuse(options: argparse.Namespace, names: Mapping[str, str], why: str) -> None:
     for name, remedy in names.items():
         if getattr(options, name) not in (None, []):
-            raise UsageError(f"--{name} {why}", options.scenario, remedy)
+            way = remedy.format(goal=goal_setting(options.goal or ()))
+            raise UsageError(f"--{name} {why}", options.scenario, way)
 
 
 def _walk(scenario: Scenario, robot: Robot, progress: Progress) -> Outcome:
@@ -167,7 +191,7 @@ def _outcome(
     if helps or not problem.replan:  # nothing is left to say of replanning that arrives
         with stage(progress, "measuring the accuracy"), suppress(BudgetError):
             with limited(problem.plan_time):
-                found = Accuracy.of(problem, solution.plan), Steps.of(problem)
-            accuracy, steps = found
-    prospect = Prospect(helps, solution.fallback, timing, accuracy, steps)
-    return solution.plan, played(solution.plan, prospect)
+                both = Accuracy.of(problem, solution.plan), Steps.of(problem)
+            accuracy, steps = both
+    found = helps, solution.fallback, timing, accuracy, steps, problem.is_exact
+    return solution.plan, played(solution.plan, Prospect(*found))

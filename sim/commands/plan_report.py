@@ -86,6 +86,7 @@ class Prospect:
     timing: Mapping[str, float]
     accuracy: Accuracy | None = None
     steps: Steps | None = None
+    chained: bool = False  # whether it is steered in chained form, which is exact
 
 
 def of_walk(problem: ScenarioProblem, planned: Plan, prospect: Prospect) -> Report:
@@ -150,6 +151,6 @@ def of_system(name: str, planned: Plan, prospect: Prospect | None = None) -> Rep
         "flow_count": len(planned.flows),
         "flow_time": sum(abs(flow.duration) for flow in planned.flows),
         "contact_switches": planned.contact_switches,
-        **{k: v for k, v in further.items() if k != "fallback" or v},
+        **{k: v for k, v in further.items() if v or k not in ("fallback", "chained")},
     }
     return facts, render("system_plan.txt", **facts)

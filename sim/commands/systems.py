@@ -48,18 +48,17 @@ def systems(options: argparse.Namespace) -> None:
     facts, lines = [], []
     for name in SYSTEMS if asked is None else (asked,):
         of, given = shipped_system(name), parameters(name)
-        facts.append(
-            {
-                "name": name,
-                "description": of.description,
-                "parameters": given,
-                "state": [str(symbol) for symbol in of.system.state],
-                "strata": {s: list(fields) for s, fields in of.system.strata.items()},
-                "gait": of.gait,
-                "elements": of.elements,
-                "goal": of.goal,
-            }
-        )
+        fact = {
+            "name": name,
+            "description": of.description,
+            "parameters": given,
+            "state": [str(symbol) for symbol in of.system.state],
+            "strata": {s: list(fields) for s, fields in of.system.strata.items()},
+            "gait": of.gait,
+            "elements": of.elements,
+            "goal": of.goal,
+        }
+        facts.append(fact)
         lines.append(f"{name:18}{of.description}")
         if pairs := ", ".join(f"{k}={json.dumps(v)}" for k, v in given.items()):
             lines.append(f"{'':18}parameters {pairs}")
@@ -131,14 +130,16 @@ def refused(where: str) -> Iterator[None]:
 def check(options: argparse.Namespace) -> None:
     """Test the gait by both criteria of Sec. 4 and print the results."""
     from models.systems import configuration
-    from planner import gait_controllability
+    from planner import Gait, StratumError, gait_controllability
     from planner.controllability import MAX_DEPTH
 
     with cli.working(options, "reading the fields"):
         subject = _subject(options)
     system, gait, start = subject.system, subject.gait, subject.start
-    if options.gait:
-        gait = _gait(system, options.gait)
+    try:
+        gait = Gait(system, tuple(options.gait or gait)).strata
+    except StratumError as error:
+        raise UsageError.at("--gait", error) from None
     with cli.working(options, "testing the gait"), refused(options.system):
         at = coordinates(options.at or (), "--at")
         found = gait_controllability(
@@ -155,6 +156,7 @@ def check(options: argparse.Namespace) -> None:
         "in_theory_only": theory,
         "strokes": {cost.direction: asdict(cost) for cost in costs},
         "static_stability": subject.static_stability,
+        "description": subject.description,
     }
     facts = {"system": options.system, **facts}
     names = [str(symbol) for symbol in system.state]
@@ -166,6 +168,7 @@ def check(options: argparse.Namespace) -> None:
 class _Subject:
     """What is judged."""
 
+    description: str
     system: StratifiedSystem
     gait: Sequence[str]
     start: Array | None  # where to look at it; None for the middle
@@ -187,29 +190,18 @@ def _costs(subject: _Subject, found: Controllability) -> Sequence[DirectionCost]
         return ()
 
 
-def _gait(system: StratifiedSystem, words: Sequence[str]) -> tuple[str, ...]:
-    """Strata by name, written with the S of the paper or without."""
-    from planner import Gait, StratumError
-
-    bare = [w[1:] if w not in system.strata and w[:1] == "S" else w for w in words]
-    try:
-        return Gait(system, tuple(bare)).strata
-    except StratumError as error:
-        raise UsageError.at("--gait", error) from None
-
-
 def _subject(options: argparse.Namespace) -> _Subject:
     """The system that is named."""
     from models import StaticStability, equations, shipped_robots
 
     source = options.system
     if not source.endswith(".xml") and is_system(source, shipped_robots(), "robot"):
-        problem = find(source, cli.settings_of(options))
-        start = problem.states[0]
-        return _Subject(problem.system, problem.gait, start, problem.elements, {}, {})
+        of = find(source, cli.settings_of(options))
+        known = of.description, of.system, of.gait
+        return _Subject(*known, of.states[0], of.elements, {}, {})
     if options.set:
         raise UsageError("a robot has no parameters", "--set", "leave it out")
     robot = cli.robot_of(options, source)
     described, loads = equations(robot), StaticStability(robot).at_rest_and_best()
-    elements, strokes = described.elements, described.strokes
-    return _Subject(described.system, robot.card.gait, None, elements, strokes, loads)
+    known = robot.card.description, described.system, robot.card.gait
+    return _Subject(*known, None, described.elements, described.strokes, loads)

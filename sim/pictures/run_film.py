@@ -95,7 +95,8 @@ def film_folder(
         _ = walk.model  # which is refused here, and not by the processes that draw
         first, last = walk.time[[*rows_of(walk.time, stretch)]]
         if first == last:
-            what = "nothing to film between {:g} and {:g} s".format(*stretch)
+            end = f"{stretch[1]:g} s".replace("inf s", "the end")
+            what = f"nothing to film between {max(stretch[0], 0):g} s and {end}"
             remedy = f"give times from 0 to {walk.time[-1]:.2f} s"
             raise UsageError(what, "film", remedy)
         pictures = len(clock(walk.time, walk.scenario.playback, stretch).rows)

@@ -28,11 +28,15 @@ QUICK = (*SHORT, "--set", 'predictions=["quasi_static"]')
 @pytest.mark.parametrize(
     ("words", "code", "said"),
     [
-        (["gallop"], 2, "unknown command 'gallop': the command line; begin with "),
+        (["gallop"], 2, "unknown command 'gallop': stratawalk; begin with "),
         (["run"], 2, "SCENARIO missing: stratawalk run; for example"),
         (["run", "line", "--sgments", "3"], 2, "did you mean '--segments'?"),
-        (["run", "line", "--segments", "many"], 2, "invalid int value: 'many'"),
-        (["run", "line", "--out", "\udcff"], 2, "udcff' is not UTF-8: the command"),
+        (
+            ["run", "line", "--segments", "many"],
+            2,
+            "'many' is not allowed: --segments; g",
+        ),
+        (["run", "line", "--out", "\udcff"], 2, "udcff' is not UTF-8: stratawalk; "),
         (["sweep", "a", "--out", "b", "--workers", "999"], 2, "number, 1 to 256"),
         (["run", "line", "--segments", "0"], 2, "segments = 0 is not allowed"),
         (["run", "lien"], 2, "unknown scenario 'lien': SCENARIO; did you mean 'line'?"),

@@ -36,15 +36,15 @@ def test_help_with_a_command_explains_it(command, capsys):
     [
         (
             ["rnu", "line"],
-            "unknown command 'rnu': the command line; did you mean stratawalk run l",
+            "unknown command 'rnu': stratawalk; did you mean stratawalk run l",
         ),
         (
             ["hlep"],
-            "unknown command 'hlep': the command line; did you mean stratawalk help?",
+            "unknown command 'hlep': stratawalk; did you mean stratawalk help?",
         ),
         (
             ["help", "rum"],
-            "unknown command 'rum': the command line; did you mean stratawalk run ",
+            "unknown command 'rum': stratawalk; did you mean stratawalk run ",
         ),
         (["--verson"], "unknown option --verson: stratawalk; did you mean '--version'"),
         (
@@ -183,7 +183,7 @@ def test_a_slip_of_the_finger_is_answered_with_what_was_meant(words, meant, caps
         ("run line --softer", "write --set floor_stiffness=1e4 for the floor"),
         ("settings", "try stratawalk scenarios line, which lists all"),
         ("robots --list", "leave it out: stratawalk robots"),
-        ("plan car --plot", "for a system write --save plan.json, and plot"),
+        ("plan car --plot", "for a system write --out plan.png"),
         ("plan unicycle --goal y 2", "'y' gives no value: --goal; write"),
     ],
 )

@@ -230,6 +230,7 @@ def test_sheets_are_written_one_by_one(tmp_path):
     assert (tmp_path / f"{first.name}.svg").stat().st_size > 10_000
     page = (tmp_path / "figures.md").read_text()
     assert page.index(first.name) < page.index("fig1-mechanism-metres")
+    assert "sheets that are drawn in millimetres are in metres" in page
 
 
 def test_the_command_draws_one_figure_and_says_where(

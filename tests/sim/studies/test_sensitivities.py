@@ -101,7 +101,9 @@ def test_the_command_gives_a_row_for_each(walked, tmp_path, monkeypatch, capsys)
     assert json.loads(capsys.readouterr().out) == found
     assert drawn.stat().st_size > 1000
     comparing.sensitivities(type("O", (options,), {"json": False, "out": None}))
-    assert "1 mm     length of leg 3" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "1 mm     length of leg 3" in said
+    assert said.endswith("joints of a leg are counted from the body on\n")
 
 
 @pytest.mark.parametrize("name", ["", "x", "x.xyz", "x.tex", "taken.png"])

@@ -1,0 +1,112 @@
+"""What commands answer to first tries, and say before anything has been read."""
+
+import json
+
+import pytest
+
+from models.systems.catalogue import shipped_system
+from sim.cli import main
+
+
+@pytest.fixture
+def stratawalk(tmp_path, monkeypatch, capsys):
+    """Run the command here, in an empty folder: code, output and messages."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(*words):
+        code = main(words)
+        return code, *capsys.readouterr()
+
+    return run
+
+
+@pytest.fixture
+def facts(stratawalk):
+    """What the command prints as JSON."""
+    return lambda *words: json.loads(stratawalk(*words, "--json")[1])
+
+
+@pytest.mark.parametrize(
+    ("words", "meant"),
+    [
+        ("plan line --goal x=1 theta=0.5", "write --set 'path.goal=[1, 0, 0.5]'"),
+        ("plan line --goal y=0.2", "write --set 'path.goal=[0, 0.2, 0]'"),
+        ("show latest", "no run here: runs; walk one: stratawalk run line"),
+        ("run line --segments four", "'four' is not allowed: --segments; give a whole"),
+        ("bench --fast", "there are --help, --sweeps, --peers"),
+        ("film --from soon", "soon is not a time: --from; give a number such as 5"),
+        ("run line --set dead_band=0.5deg", "a list of numbers from 0 to 0.2 [rad]"),
+        ("list", "unknown command 'list': stratawalk; try stratawalk robots"),
+    ],
+)
+def test_a_refusal_names_the_way_out(stratawalk, words, meant):
+    code, _, err = stratawalk(*words.split())
+    assert code == 2
+    (line,) = err.splitlines()
+    assert meant in line
+
+
+def test_strata_may_be_written_as_they_are_printed(facts):
+    plain, printed = (
+        facts("check", "biped", "--gait", f"{s}12", f"{s}1", f"{s}12")
+        for s in ("", "S")
+    )
+    assert plain == printed
+
+
+def test_plans_take_strata_as_they_are_printed(facts):
+    """So do scenarios, whose errors have no second S then."""
+    for what in (("biped",), ("line", "--segments", "20")):
+        plain, printed = (
+            facts(
+                "plan",
+                *what,
+                "--gait",
+                *(f"{s}{n}" for n in ("12", "1", "12", "2", "12")),
+            )
+            for s in ("", "S")
+        )
+        assert plain["contact_switches"] == printed["contact_switches"]
+        assert plain.get("end", plain.get("pose")) == printed.get(
+            "end", printed.get("pose")
+        )
+
+
+@pytest.mark.parametrize("system", ["car", "finger-gaiting"])
+def test_the_way_of_a_plan_is_drawn_with_its_coordinates_at_the_axes(
+    stratawalk, tmp_path, system
+):
+    """The second coordinate over the first; it may be a saved plan, too."""
+    code, out, _ = stratawalk("plan", system, "--out", "way.svg", "--save", "a.json")
+    assert (code, out.splitlines()[-1]) == (0, "picture   way.svg")
+    drawn = (tmp_path / "way.svg").read_text()
+    names = [str(symbol) for symbol in shipped_system(system).system.state]
+    for name in names[:2]:
+        assert f"<!-- {name} of {system}, in its own unit -->" in drawn
+    assert stratawalk("plan", "a.json", "--out", "again.png")[0] == 0
+    assert (tmp_path / "again.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_inputs_of_a_chained_form_are_defined_where_they_are_printed(stratawalk):
+    """Brackets of fields have the fields' own names, and no such line."""
+    _, chained, _ = stratawalk("plan", "car-trailers")
+    assert "inputs    ahead moves the first flat output by one in a unit of" in chained
+    _, other, _ = stratawalk("plan", "car-trailers", "--degree", "4")
+    assert "inputs" not in other
+
+
+def test_check_says_what_it_judges_and_of_one_stratum_nothing_of_others(stratawalk):
+    _, out, _ = stratawalk("check", "hexapod-parallel")
+    assert "what it is  The paper's Figs. 1 and 5 taken literally" in out
+    assert "it turns on paper only" in out
+    assert "brackets across strata, too (Def. 3)" in out
+    _, out, _ = stratawalk("check", "car-trailers")
+    assert "across strata" not in out
+    assert "rank 5 of 5, the same, as there is one stratum (Def. 3)" in out
+
+
+def test_help_of_set_says_how_a_system_is_changed(stratawalk):
+    _, out, _ = stratawalk("plan", "--help")
+    assert "a parameter such as trailers=2 (`stratawalk systems`" in " ".join(
+        out.split()
+    )
