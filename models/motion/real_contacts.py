@@ -94,8 +94,7 @@ def contact_equations(
 ) -> Equations:
     """The same equations, with strokes that move the body as the real contacts do."""
     system = described.system
-    groups = len(next(iter(described.swings.values())))
-    angles = system.state[3 : 3 + groups]
+    angles = system.state[3 : 3 + len(next(iter(described.swings.values())))]
     columns = dict(system.fields)
     for name, field in fields.items():
         velocity = turned(*field.expressions(angles))

@@ -252,11 +252,10 @@ def _reason(robot: Robot, described: Equations) -> str:
     if all(turning):
         # points of the body that strokes leave in place [m]
         (x, y), (u, v) = [(-left / yaw, ahead / yaw) for ahead, left, yaw in twists]
-        apart = hypot(x - u, y - v)
         return (
             f"both strokes turn the body about nearly the same point, ({x:z.3f}, "
             f"{y:z.3f}) m, where the legs of both groups, produced inward, meet: their "
-            f"pivots are {1e3 * apart:.3g} mm apart"
+            f"pivots are {1e3 * hypot(x - u, y - v):.3g} mm apart"
         )
     return (
         f"its strokes are short: even {AFFORDABLE:,.0f} of them add up to less than "

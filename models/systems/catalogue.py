@@ -118,7 +118,7 @@ def _fits(value: object, kind: object) -> bool:
 REQUIRED = ("state", "goal", "strata")
 OPTIONAL = (
     *("description", "bottom", "gait", "elements", "start", "segments", "stance"),
-    *("degree", "words", "flat"),
+    *("degree", "words", "flat", "hitches"),
     *("parameters", "limits", "level_sets", "metric", "lifts"),
 )
 FLAT = ("along", "across", "rate", "slope")
@@ -191,6 +191,9 @@ def _decode(
         words=cast(Words, table.text("words", "printed")),
         in_gait="gait" in table,
         flat=_flat(table, formula) if "flat" in table else None,
+        hitches=tuple(
+            formula("hitches", angle) for angle in table.texts("hitches", ())
+        ),
     )
 
 

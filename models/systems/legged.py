@@ -80,6 +80,7 @@ def hexapod_with_trailer(length: float = 1, heights: bool = True) -> Problem:
         elements=("g1_1", "g2_2", *AIR_SWINGS, sideways, f"[g1_1,{sideways}]"),
         goal={"y": 0.1},
         segments=4,
+        hitches=(sp.Symbol("theta") - sp.Symbol("psi"),),
     )
 
 

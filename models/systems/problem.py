@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
+import sympy as sp
 
 from planner import (
     Array,
@@ -21,6 +22,7 @@ from planner import (
     aim,
     line,
     plan,
+    rollout,
 )
 from planner.execution import Coordinates, StanceRule
 from planner.planning import (
@@ -33,6 +35,7 @@ from planner.planning import (
 from planner.support import unknown
 from planner.systems import ShapeCoordinates, ShapeLimits
 
+SEEN = 20  # states of each flow at which folded trailers are looked for
 OVERFLOWING = 1e100  # of a coordinate; derivatives at larger ones overflow
 State = Mapping[str, float]  # values of coordinates by name
 Words = Literal["printed", "shortest", "symmetric"]
@@ -64,6 +67,7 @@ class Problem:
             `symmetric`.
         in_gait: Whether plans visit the strata in the order of the gait.
         flat: Flat outputs, where the system has a chained form to be steered in.
+        hitches: Angles between trailers and what tows them, as functions of the state.
 
     Raises:
         ValueError: A coordinate or the stance is unknown, a value is not finite, a
@@ -91,6 +95,7 @@ class Problem:
     words: Words = "printed"
     in_gait: bool = False
     flat: FlatOutputs | None = None
+    hitches: tuple[sp.Expr, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "gait", Gait(self.system, self.gait).strata)
@@ -134,6 +139,11 @@ class Problem:
             ends = self.states
             return plan_between(self.extended, *ends, self.segments, self.open_loop)
         return plan(self.extended, self.path, self.segments, execution=self.open_loop)
+
+    def largest_fold(self, plan: Plan) -> float:
+        """The largest angle at a hitch on the way of a plan [rad]; 0 without any."""
+        angles = sp.lambdify(self.system.state, self.hitches)(*rollout(plan, SEEN).T)
+        return max((float(np.abs(angle).max()) for angle in angles), default=0.0)
 
     @property
     def open_loop(self) -> Execution:

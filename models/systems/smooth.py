@@ -6,6 +6,7 @@ They have one stratum: the method is that of Sec. 2.1, as no contact changes.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 
 import sympy as sp
@@ -38,15 +39,17 @@ def car_with_trailers(trailers: int = 1, length: float = 1) -> Problem:
     forward = [sp.cos(headings[0]), sp.sin(headings[0]), sp.tan(phi) / length]
     drive, steer = [*forward, *following, 0], [*[0] * (3 + trailers), 1]
     back, aside = (sp.Add(*map(part, headings[1:])) for part in (sp.cos, sp.sin))
-    return smooth(
+    parked = smooth(
         name="car-trailers",
         description="a car with trailers, parked sideways; each trailer adds a degree",
         state=["x", "y", *map(str, headings), "phi"],
         fields={"drive": drive, "steer": steer},
         goal={"y": 0.01},
         segments=4,
-        flat=FlatOutputs(along=x - length * back, across=y - length * aside),
     )
+    flat = FlatOutputs(along=x - length * back, across=y - length * aside)
+    hitches = tuple(before - heading for before, heading in pairwise(headings))
+    return replace(parked, flat=flat, hitches=hitches)
 
 
 def chained(size: int = 5) -> Problem:
@@ -73,7 +76,6 @@ def smooth(
     fields: dict[str, Column],
     goal: State,
     segments: int = 1,
-    flat: FlatOutputs | None = None,
 ) -> Problem:
     """A system with two fields on one stratum, steered with brackets of both.
 
@@ -92,5 +94,4 @@ def smooth(
         elements=(first, *nested),
         goal=goal,
         segments=segments,
-        flat=flat,
     )

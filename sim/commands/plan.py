@@ -165,7 +165,7 @@ def _system(options: argparse.Namespace, progress: Progress) -> Outcome:
                 chained=chained,
                 free=options.free or (),
             )
-    played = partial(of_system, Path(options.scenario).stem)
+    played = partial(of_system, Path(options.scenario).stem, folded=wanted.largest_fold)
     return _outcome(problem, played, began, time.perf_counter(), progress)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from functools import partial
 from typing import TYPE_CHECKING
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from sim.problems.scenario import ScenarioProblem
 
 Report = tuple[dict[str, object], str]
+LEFT_OUT = ("fallback", "chained", "largest_fold")  # of a system's facts, where empty
 
 
 @dataclass(frozen=True)
@@ -131,14 +132,20 @@ def of_walk(problem: ScenarioProblem, planned: Plan, prospect: Prospect) -> Repo
     return facts, render("walk_plan.txt", gait=gait, **facts)
 
 
-def of_system(name: str, planned: Plan, prospect: Prospect | None = None) -> Report:
+def of_system(
+    name: str,
+    planned: Plan,
+    prospect: Prospect | None = None,
+    folded: Callable[[Plan], float] | None = None,
+) -> Report:
     """A system's plan, played; coordinates by name."""
     system, reached = planned.system, rollout(planned)[-1]
 
     def named(state: Array) -> dict[str, float]:
         return dict(zip(map(str, system.state), state.tolist(), strict=True))
 
-    further = asdict(prospect) if prospect else {}
+    fold = {"largest_fold": folded and folded(planned)}
+    further = fold | (asdict(prospect) if prospect else {})
     facts = {
         "system": name,
         "segments": len(planned.segment_ends),
@@ -151,6 +158,6 @@ def of_system(name: str, planned: Plan, prospect: Prospect | None = None) -> Rep
         "flow_count": len(planned.flows),
         "flow_time": sum(abs(flow.duration) for flow in planned.flows),
         "contact_switches": planned.contact_switches,
-        **{k: v for k, v in further.items() if v or k not in ("fallback", "chained")},
+        **{k: v for k, v in further.items() if v or k not in LEFT_OUT},
     }
     return facts, render("system_plan.txt", **facts)

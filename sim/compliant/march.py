@@ -51,10 +51,6 @@ class Commands:
         before, now = self.rows[np.maximum(whole - 1, 0)], self.rows[whole]
         return (1 - part) * before + part * now
 
-    def next_edge(self, time: Array) -> Array:
-        """The first edge after each of some times, (B,) [s]."""
-        return self.edges[np.searchsorted(self.edges, time + SLACK)]
-
 
 def changes(rows: Array, timestep: float) -> Array:
     """Times at which held commands (T, ...) change [s]."""
@@ -102,7 +98,8 @@ def march(
     done = mechanics.standing(robots, first, yaw)
     state, rows = done.state, [_row(lanes, time, done, done.holds)]
     while len(lanes):
-        stop = np.minimum(time + h, np.minimum(commands.next_edge(time), until))
+        edge = commands.edges[np.searchsorted(commands.edges, time + SLACK)]
+        stop = np.minimum(time + h, np.minimum(edge, until))
         length = stop - time
         done = mechanics.increment(robots, state, *commands.over(time, stop), length)
         event = _eventful(state, done.state, CALM * robots.weight)

@@ -176,8 +176,7 @@ class Phases:
         pitch = -np.arcsin(np.clip(R[:, 2, 0], -1, 1))
         height = track.place[:, 2] - self.mechanics.height
         above = height + track.center[:, 2]
-        fall = down[:, :2] / down[:, 2:]
-        center = track.center[:, :2] - above[:, None] * fall
+        center = track.center[:, :2] - above[:, None] * (down[:, :2] / down[:, 2:])
         loaded = track.load > LOADED * self.robots.weight[own, None]
         stands = carrying(track.point, loaded, center)  # on some foot at every moment
         return Motion(
@@ -216,8 +215,7 @@ def _pieces(new: Sequence[int], lasting: Array, robots: int) -> Iterator[list[in
     remembers, many pieces walk much twice, and few are more work for every lane.
     """
     total = float(lasting[list(new)].sum())
-    best = sqrt(LANES_WORTH / robots * total / 2)
-    longest = max(total / max(best, 1), 1.0)
+    longest = max(total / max(sqrt(LANES_WORTH / robots * total / 2), 1), 1.0)
     for _, run in groupby(enumerate(new), key=lambda item: item[1] - item[0]):
         phases = [phase for _, phase in run]
         ends = np.cumsum(lasting[phases])

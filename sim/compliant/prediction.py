@@ -117,7 +117,6 @@ def foreseen(
     """The prediction of a walk at times (T,) [s], with its planned contacts (T, F)."""
     phases = phases_of(setup)
     motion = phases.follow(course_of(setup, phases, legs, rows)).at(times)
-    real = phases.mechanics.anatomy.axis.any(axis=-1)
     return CompliantPrediction(
         pose=np.column_stack([motion.pose[:, :2], wrap(motion.pose[:, 2])]),
         slip=motion.slip,
@@ -125,6 +124,6 @@ def foreseen(
         contact=contact,
         lean=motion.lean,
         load=motion.load,
-        torque=motion.torque[:, real],
+        torque=motion.torque[:, phases.mechanics.anatomy.axis.any(axis=-1)],
         weight=float(phases.robots.weight[0]),
     )

@@ -79,8 +79,7 @@ class LiftCounts:
             changes = np.nanmax(counts, axis=0) - np.nanmin(counts, axis=0)
             return float(changes.sum()), -float(gaps[place])
 
-        best = min(range(len(gaps)), key=cost)
-        shift: Array = raise_sign * shifts[best]
+        shift: Array = raise_sign * shifts[min(range(len(gaps)), key=cost)]
         return shift
 
     @property

@@ -250,8 +250,7 @@ def _between(disc: MovingPart, one: MovingPart, other: MovingPart) -> bool:
     if disc in (one, other):
         return False
     begin, way = one.sampled, other.sampled - one.sampled
-    squares = (way**2).sum(axis=-1)
-    share = ((disc.sampled - begin) * way).sum(axis=-1) / squares
+    share = ((disc.sampled - begin) * way).sum(axis=-1) / (way**2).sum(axis=-1)
     off = np.linalg.norm(begin + share[..., None] * way - disc.sampled, axis=-1)
     radius = one.radius + share * (other.radius - one.radius)
     inside = (share >= 0) & (share <= 1) & (off + disc.radius <= radius + SAME_PLACE)

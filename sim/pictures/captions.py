@@ -107,10 +107,9 @@ def _title(walk: Run) -> list[str]:
 def _results(walk: Run) -> list[str]:
     summary = walk.summary
     head, *further = summary.verdict_text.split("; ")
-    shown = (*OF_WALKS, *(q for q in OF_ROWS if q.key.startswith("predicted")))
     found = [
         f"{q.label}: {q.words(value)}"
-        for q in shown
+        for q in (*OF_WALKS, *(q for q in OF_ROWS if q.key.startswith("predicted")))
         if q.key in RESULTS and (value := q.value(summary, ACHIEVED)) is not None
     ]
     said = head.removeprefix(summary.verdict).lstrip(": ")

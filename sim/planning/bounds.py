@@ -287,8 +287,7 @@ class ClearanceBound:
         begin, end = where.reshape(-1, 2).T
         seen = np.minimum(clear.least[begin], clear.least[end])
         bound = np.minimum(seen, clear.between(begin, end))
-        far = np.diff(pairs)[:, 0] > 1
-        open_ = far & (bound < self.least) & (seen >= self.least)
+        open_ = (np.diff(pairs)[:, 0] > 1) & (bound < self.least) & (seen >= self.least)
         if open_.any():
             middle = pairs[open_].mean(axis=1).astype(int)
             first, last = pairs[open_].T

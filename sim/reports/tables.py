@@ -94,11 +94,10 @@ def sources(run: Run) -> Table | None:
 
 def contributions(run: Run) -> dict[str, dict[str, Array]]:
     """Contributions of kinds of phases by prediction; none of a replanned walk."""
-    given = run.summary.error_sources or {}
     return {
         name: {label: np.array(part) for label, part in found.items()}
         for name in PREDICTIONS
-        if (found := given.get(name))
+        if (found := (run.summary.error_sources or {}).get(name))
     }
 
 

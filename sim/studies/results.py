@@ -138,8 +138,8 @@ def read_results(path: Path, prediction: str) -> Results:
     }
     if named and results.label not in named:
         what = f"the walks were not compared with the {results.label} prediction"
-        remedy = f"give --prediction {' or '.join(sorted(named))}"
-        raise UsageError(what, str(file), remedy)
+        made = " or ".join(sorted(named))
+        raise UsageError(what, str(file), f"give --prediction {made}")
     if results.walked.any():
         results.column(f"error.{prediction}.farthest")
     return results

@@ -38,8 +38,7 @@ def ensure_sensors(
     """
     slots = {} if uneven else _SLOTS
     for geom in robot.card.feet:
-        most = slots.get(spec.geom(geom).type, _MANY)
-        told = _FOUND | _FORCE | _PLACE | _SPEED, most
+        told = _FOUND | _FORCE | _PLACE | _SPEED, slots.get(spec.geom(geom).type, _MANY)
         _watch(spec, contact_sensor(geom), (_GEOM, floor), (_GEOM, geom), told)
     _ensure(
         spec,

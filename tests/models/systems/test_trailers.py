@@ -1,5 +1,7 @@
 """Trailers, of a walking robot and of cars: degrees they need, axles that roll."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import sympy as sp
@@ -8,6 +10,7 @@ from models.systems.catalogue import shipped_system
 from planner.controllability.gaits import gait_controllability
 from planner.errors import RankError
 from planner.planning.algorithm import plan
+from planner.planning.rollouts import rollout
 from planner.systems.fields import compile_fields, sample_configurations
 
 
@@ -63,3 +66,23 @@ def test_trailer_is_not_planned_with_brackets_to_degree_2():
     problem = shipped_system("hexapod-trailer")
     with pytest.raises(RankError, match=r"rank 5 of 6 .* nothing along y - psi; add"):
         plan(problem.system, problem.path, 1, problem.elements[:-1])
+
+
+@pytest.mark.parametrize(
+    ("name", "headings", "folded"),
+    [
+        ("hexapod-trailer", ["theta", "psi"], True),
+        ("car-trailers", ["theta_0", "theta_1", "theta_2"], True),
+        ("car", ["theta"], False),
+    ],
+)
+def test_the_largest_angle_at_a_hitch_is_that_of_neighbouring_headings(
+    name, headings, folded
+):
+    values = {"trailers": len(headings) - 1} if name == "car-trailers" else {}
+    problem = replace(shipped_system(name, values), goal={"y": 1}, segments=1)
+    names = [str(symbol) for symbol in problem.system.state]
+    way = rollout(once := problem.plan(), 20)[:, [names.index(h) for h in headings]]
+    largest = np.abs(np.diff(way, axis=1)).max(initial=0.0)
+    assert problem.largest_fold(once) == pytest.approx(largest)
+    assert bool(largest > np.pi / 2) is folded

@@ -2,6 +2,7 @@
 
 import json
 
+import numpy as np
 import pytest
 
 from sim import cli
@@ -53,6 +54,19 @@ def plan(capsys, tmp_path):
         return said.err if code else json.loads(said.out)
 
     return run
+
+
+def test_trailers_that_fold_beyond_a_right_angle_are_warned_of(plan, capsys):
+    hitched = 'hitches = ["hitch"]'
+    folded = plan("--segments", "1", flat=hitched)["largest_fold"]
+    assert folded > np.pi / 2
+    assert plan("--goal", "y=0.01", flat=hitched)["largest_fold"] < np.pi / 2
+    assert "largest_fold" not in plan("--segments", "1")  # nobody said what folds
+    for segments, warned in (("1", True), ("16", False)):
+        words = ["hexapod-trailer", "--goal", "y=1", "--segments", segments]
+        assert cli.main(["plan", *words]) == 0
+        said = capsys.readouterr().out
+        assert ("warning   a trailer folds by up to " in said) is warned
 
 
 def test_what_converges_faster_is_offered_only_where_it_misses_less(plan):
