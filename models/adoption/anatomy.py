@@ -22,6 +22,7 @@ from models.description.robot import Robot
 from models.errors import ModelError
 from planner import Array
 
+FARTHEST = 1e3  # [rad] that a hinge is taken to turn, whatever its range says
 LEVEL = np.deg2rad(60)  # axes nearer to the vertical do not lift
 SOLID = range(int(mujoco.mjtGeom.mjGEOM_SPHERE), int(mujoco.mjtGeom.mjGEOM_MESH) + 1)
 
@@ -77,7 +78,7 @@ class Pose:
         index = self.model.joint(joint).id
         if not self.model.jnt_limited[index]:
             return -np.pi / 2, np.pi / 2
-        low, high = self.model.jnt_range[index]
+        low, high = np.clip(self.model.jnt_range[index], -FARTHEST, FARTHEST)
         return float(low), float(high)
 
     @property

@@ -1,5 +1,7 @@
 """Drafted crawls: four legs row, and every one can be set back while three stand."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -94,6 +96,18 @@ def test_feet_below_the_joints_that_swing_them_push_nothing(tmp_path):
         ModelError, match="foot 'toe.' is right below the joint that sw"
     ):
         draft_card(source_of(str(path)))
+
+
+def test_a_hinge_without_an_end_worth_the_name_is_as_one_that_turns_far(tmp_path):
+    swings = {}
+    for end in ("-100", "-1e308"):
+        path = FOUR.write(tmp_path)
+        whole = path.read_text()
+        text = re.sub(r'(name="yaw1"[^>]*range=")[^ "]*', rf"\g<1>{end}", whole)
+        assert text != whole
+        path.write_text(text)
+        swings[end] = draft_card(source_of(str(path))).card
+    assert swings["-1e308"] == swings["-100"]
 
 
 def test_weight_is_off_the_lines_between_opposite_feet(tmp_path):
