@@ -167,7 +167,7 @@ def _draw_tripods(axes: Axes, prints: Footprints) -> None:
     for tripod, of in _tripods(prints):
         label = f"tripod {tripod}, legs {'-'.join(map(str, LEGS[tripod]))}"
         _draw_prints(axes, tripod, prints, of, MARKERS[tripod], 3.0, label, filled=True)
-    axes.plot([], [], color=NOMINAL, linewidth=0.5, label="one leg's, in order")
+    axes.plot([], [], color=NOMINAL, linewidth=0.5, label="those of one leg, in order")
 
 
 def _draw_walk(axes: Axes, walked: PaperWalk) -> None:
