@@ -57,9 +57,8 @@ def alternating(
             lines.append(f"swing = [{-reach.swing:.4g}, {reach.swing:.4g}]")
         legs = " ".join(str(i + 1) for i in stand.legs)
         turned = f"turned by up to {most:.0f} degrees to " if round(most) else ""
-        guesses.append(
-            f"group {name}, legs {legs}: {turned}meet at ({x:z.3f}, {y:z.3f}) m"
-        )
+        pivot = f"line up with the pivot ({x:z.3f}, {y:z.3f}) m"
+        guesses.append(f"group {name}, legs {legs}: {turned}{pivot}")
     if reach is not None:
         guesses.append(f"groups swing {reach.swing:.2f} rad either way, {reach.reason}")
     lines += ["", "[gait]", 'strata = ["12", "1", "12", "2", "12"]']

@@ -227,9 +227,9 @@ def free_reach(
             )
         swing = farthest * (level - 1) / TRIED_ANGLES
         return Reach(swing, f"beyond which {one!r} and {other!r} would touch", True)
-    left = f"up to the end of the range of {joint!r}"
+    left = f"where {joint!r} is the first joint to reach an end of its range"
     if degrees := round(np.rad2deg(pose.angle(joint))):
-        left += f", which stands at {degrees} degrees"
+        left += f"; at the start it stands at {degrees} degrees"
     return Reach(farthest, left, False)
 
 

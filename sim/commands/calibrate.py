@@ -124,7 +124,8 @@ def _calibrated(
     with keeping(kept):
         if len(known) < number:
             tool, page = (folder.path / n for n in (SKETCH if pulse else SCRIPT, PAGE))
-            print(f"start {tool} and open {page}; Ctrl-C keeps all answers")
+            start = "load" if pulse else "start"
+            print(f"{start} {tool} and open {page}; Ctrl-C keeps all answers")
         if pulse and not known and clock is None:
             clock = _clock(ask)
         for joint, servo in _found(robot, kind, known, clock, ask):
@@ -178,7 +179,7 @@ def _found(
     def servo(joint: str, channel: int) -> JointServo:
         angles = marks(robot, joint)
         while True:
-            turned = ask("  as counts grew, from mark 1 to 2 (+), or back (-)? ", str)
+            turned = ask("  as counts grew, did it turn to mark 2 (+) or 1 (-)? ", str)
             one, two = (
                 ask(f"  count at mark {mark}, {degrees(angle):.1f} degrees: ", counted)
                 for mark, angle in enumerate(angles, start=1)
@@ -191,7 +192,8 @@ def _found(
     for channel in channels:
         if channel in taken or not left:
             continue
-        joint = ask(f"channel {channel}: joint moved by j {channel} (-: none)? ", which)
+        jog = f"j {channel}" if kind.signal == "pulse" else f"j {channel} {kind.center}"
+        joint = ask(f"channel {channel}: joint moved by {jog} (-: none)? ", which)
         if joint != NONE:
             yield joint, servo(joint, channel)
             left.remove(joint)
@@ -237,7 +239,7 @@ def _check(robot: Robot, kind: ServoKind, folder: RunFolder) -> Mapping[str, str
     commands, told = strokes(robot, kind.command_rate)
     table = servo_table(card, card.joints, kind, pulse, rate=kind.command_rate)
     if pulse:
-        name, title, how = "check.h", "Strokes to check", "a comment in it plays it"
+        name, title, how = "check.h", "Strokes to check", "a sketch inside plays it"
         text = write_header(commands, table, title=title, name="check", file=name)
     else:
         name, text = "check.csv", write_table(commands, table)

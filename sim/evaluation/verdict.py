@@ -154,4 +154,4 @@ def _slipped(walk: Walk, predicted: Prediction, weighed: Weighed) -> Found:
     leg = walk.setup.robot.legs[int((slip - foreseen).argmax())]
     slid = f"its feet slid {1e3 * (expected + more):.1f} mm"
     asked = f"where {1e3 * expected:.1f} mm were predicted"
-    return "slipped", f"slipped: {slid} {asked}, that of leg {leg} most of all"
+    return "slipped", f"slipped: {slid} {asked}, the foot of leg {leg} most of all"

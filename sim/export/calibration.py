@@ -115,9 +115,9 @@ def strokes(robot: Robot, rate: float) -> tuple[ServoCommands, dict[str, str]]:
         f"0 to {each:.0f} s": "every leg turns anticlockwise, seen from above, and "
         "back; one that turns the other way has a wrong sign",
         f"to {2 * each:.0f} s": "every foot rises and comes down; one that pushes "
-        "has a wrong sign",
+        "down has a wrong sign",
         f"to {len(moves) * each:.0f} s": "feet rise in the order of their legs and "
-        "come down on their rings, whose radius is a degree of swing",
+        "come down within their rings, which are a degree of swing in radius",
     }
     return ServoCommands(tuple(joints), rate, angles), told
 

@@ -156,7 +156,7 @@ def _require_counts(joints: Sequence[str], known: Mapping[str, JointServo]) -> N
     for joint in joints:
         servo = known.get(joint, JointServo())
         if servo.counts_per_radian is None or servo.center is None:
-            what = f"pulses for servos on a bus: that of joint {joint!r} takes none"
+            what = f"servos on a bus take no pulses, and joint {joint!r} has one"
             remedy = (
                 "take --format dynamixel, or give center and counts_per_radian under "
                 f"[servo.{joint}] in the card"

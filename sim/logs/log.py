@@ -237,7 +237,7 @@ def _check_time(time: Array) -> None:
         moments = f"from {time[row]:.9g} s to {time[row + 1]:.9g} s in row {row + 2}"
         raise ValueError(f"time goes {moments}; sort the rows, one for each time")
     if not SHORTEST_LOG <= (length := time[-1] - time[0]) <= LONGEST_LOG:
-        most = f"give {SHORTEST_LOG:g} to {LONGEST_LOG:g} s, in seconds"
+        most = f"give {SHORTEST_LOG:g} to {LONGEST_LOG:g} s; times are in seconds"
         raise ValueError(f"it lasts {length:.6g} s; {most}")
 
 
@@ -249,7 +249,7 @@ def _said_of_clock(time: Array) -> Iterator[str]:
     if (gaps := steps > CLOCK_GAP * usual).any():
         yield (
             f"gaps of up to {steps.max():.3g} s between rows, {gaps.sum()} in all; "
-            "commands go evenly across"
+            "commands are interpolated across them"
         )
     regular = steps[~gaps]
     if len(regular) and regular.std() > JITTER * usual:

@@ -131,7 +131,7 @@ def entries(walk: Run) -> list[tuple[str, Colour]]:
         ("support polygon", palette.STABLE),
         ("support polygon, weight outside", palette.LIMIT),
         *(
-            (f"legs of {groups} {group}, and paler their footprints", palette.group(i))
+            (f"legs of {groups} {group}; their footprints are paler", palette.group(i))
             for i, group in enumerate(walk.groups)
         ),
     ]

@@ -39,7 +39,7 @@ NOTE = (
     "nominal path: it goes forward and back, as one parks a car."
 )
 SHARES = (
-    "To the right: the part of the walk that is done [%]. Drawn is the largest "
+    "To the right: the part of the walk that is done [%]. The curve is the largest "
     "distance in each segment, or in each phase of a walk of few segments."
 )
 

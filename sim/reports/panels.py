@@ -59,7 +59,7 @@ def panels(run: Run) -> Iterator[Drawing]:
     if run.clearance is not None:
         look = {"color": ACHIEVED.colour.hex}
         achieved = MM * run.clearance, look, Key.of(ACHIEVED, "achieved")
-        limits = {0.0: ("--", "limit: it touches")}
+        limits = {0.0: ("--", "limit: contact")}
         yield _curves(run, "Clearance from obstacles [mm]", [achieved], limits=limits)
     yield _slip(run)
     yield _contacts(run)

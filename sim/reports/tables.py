@@ -25,7 +25,7 @@ from sim.scenarios.settings import SETTINGS
 from sim.templates import render
 
 MM = 1e3
-JOINED = "flows (in a row along one field: one)"  # which a plan counts singly
+JOINED = "flows (successive ones along a field count as one)"  # unlike in plans
 SHIFTED = {  # what the phases of a walk are called in the table of sources
     "hold": "standing still on S{}",
     "lift": "lift-off to S{}",

@@ -76,7 +76,7 @@ def archive(folder: Path, name: str, apart: Collection[str], check: bool) -> Arr
             shapes = dict(_declared(archive, name))
     rows = {shape[:1] for key, shape in shapes.items() if key not in apart}
     if len(rows) > 1 or () in rows or (0,) in rows:
-        raise ValueError(f"the arrays of {name} have not as many rows as each other")
+        raise ValueError(f"the arrays of {name} have different numbers of rows")
     for key in shapes if check else ():
         load(key)
     return Arrays(shapes, load)
@@ -118,11 +118,11 @@ def reading(folder: Path) -> Iterator[None]:
             if named:
                 remedy = f"did you mean {named[-1]}?"
             raise UsageError("no such run folder", str(folder), remedy)
-        if not (folder / "scenario.toml").is_file():
+        if lacks := {"scenario.toml", "summary.json"}.difference(os.listdir(folder)):
             if any(folder.glob("sweep*.json")):
                 remedy = f"stratawalk study {folder} tells what it says"
                 raise UsageError("a sweep and no run", str(folder), remedy)
-            raise FileNotFoundError("it lacks scenario.toml")
+            raise FileNotFoundError(f"it lacks {min(lacks)}")
         yield
     except UsageError:
         raise

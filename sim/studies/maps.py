@@ -92,14 +92,13 @@ def page(results: Results, found: Findings, table: Path, beside: Path) -> str:
         for key, one in found.explained.items()
     ]
     drawn = figures(results, "none")
-    heads = "farthest off, of the path, each once", "points", "share"
     return render(
         "study.html",
         title=f"{folder.resolve().name}: {len(results)} points",
         about=f"{', '.join(results.keys)} {'vary' if results.keys[1:] else 'varies'}",
         found=found,
         label=results.label,
-        counts=Table(heads, counts),
+        counts=Table(("distance as a share of the path", "points", "share"), counts),
         explained=Table(("explained by", "of distances", "of lost walks"), shares),
         maps=[finish(figure, " and ".join(keys), []) for keys, figure in drawn],
         worst=_points(results, worst, folder, places),
@@ -117,8 +116,7 @@ def _points(
         settings = {key: results.columns[key][i] for key in results.keys}
         own = run_folder(number)
         if (folder / own / "report.html").exists():
-            report = f"{places}/{own}/report.html"
-            link = Markup('<a href="{}">report</a>').format(report)
+            link = Markup(f'<a href="{{}}/{own}/report.html">report</a>').format(places)
         else:
             fixed = {**results.asked.get("set", {}), **settings}
             name = quote(str(results.asked.get("scenario", {}).get("name", "SCENARIO")))

@@ -51,7 +51,7 @@ class Sweep:
 
     def __post_init__(self) -> None:
         if len(self) > MOST_POINTS:
-            remedy = f"ask for {MOST_POINTS} at most, in each of several"
+            remedy = f"divide it into sweeps of at most {MOST_POINTS} points"
             raise UsageError(f"{len(self)} points", f"sweep {self.name!r}", remedy)
 
     def __len__(self) -> int:

@@ -49,7 +49,7 @@ void loop() {
 
 static const uint8_t {{ name }}_channel[{{ joints }}] = { {{- channels -}} };
 
-/* Digits to the base of 64, the first of which is '#'. */
+/* Digits in base 64; '#' is the digit 0. */
 static const char PROGMEM {{ name }}[] =
 {{ digits }}
 ;

@@ -9,7 +9,7 @@ For an Arduino with the Adafruit PWM Servo Driver Library; Serial Monitor at 115
 #include <Adafruit_PWMServoDriver.h>
 
 const uint8_t FREE_CHANNEL = 15, PIN = 2;
-const float NOMINAL = {{ CLOCK }};  // [Hz]; counts below are those of this divider
+const float NOMINAL = {{ CLOCK }};  // [Hz]; counts below are for this clock
 const float RATE = {{ RATE }};      // frames a second, if the clock is the nominal one
 const uint16_t MIDDLE = {{ MIDDLE }}, JOG = {{ JOG }};
 

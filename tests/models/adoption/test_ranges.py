@@ -51,7 +51,7 @@ def test_legs_swing_until_they_would_touch_and_the_draft_names_what_touches(tmp_
 def test_where_nothing_touches_the_joints_end_the_swing(tmp_path):
     robot, said = drafted(owners.handmade(tmp_path))
     assert robot.card.groups["1"].swing is None
-    limit = "0.47 rad either way, up to the end of the range of 'h1', which stands at"
+    limit = "0.47 rad either way, where 'h1' is the first joint to reach an end of "
     assert any(limit in line for line in said)
 
 

@@ -143,6 +143,23 @@ def test_answers_that_cannot_be_are_refused(turned, counts, said):
         joint_servo(MAKE, 25e6, 0, turned, counts, (-0.5, 0.5))
 
 
+def test_a_servo_on_a_bus_is_asked_for_by_the_line_that_jogs_it(calibrate, tmp_path):
+    robot, asked = load(ROBOT), list[str]()
+    card, changed = re.subn('kind = "[^"]*"', 'kind = "sts3215"', robot.card_text)
+    (tmp_path / "own.toml").write_text(card)
+    (tmp_path / "own.xml").write_text(robot.read().to_xml())
+
+    def leave(question):
+        asked.append(question)
+        raise EOFError
+
+    assert (changed, calibrate(leave, "own.xml")) == (1, 2)
+    script = Path("calibration/bus.py").read_text()
+    line = re.search(r"joint moved by (j \d+ \d+) ", asked[0])[1]
+    assert line == "j 1 2048"  # half of the turn that its data sheet divides by 4096
+    assert re.search(r"^  j \d+ \d+ ", script, re.MULTILINE)
+
+
 def test_answers_are_read_from_a_file(calibrate, tmp_path, capsys):
     lines, answer = [], Board(6).owner()
 

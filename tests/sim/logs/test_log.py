@@ -58,7 +58,8 @@ def test_what_was_done_to_a_log_is_said(read):
     assert log.time[0] == 0
     assert log.done == (
         "time begins at 5 s and is counted from there",
-        "gaps of up to 0.07 s between rows, 1 in all; commands go evenly across",
+        "gaps of up to 0.07 s between rows, 1 in all; "
+        "commands are interpolated across them",
         "the clock jitters by 0.71 ms around 10 ms; each row keeps its own time",
         "hip_1: 1 empty cells bridged, 0.021 s at most",
     )

@@ -103,7 +103,7 @@ def test_the_command_gives_a_row_for_each(walked, tmp_path, monkeypatch, capsys)
     comparing.sensitivities(type("O", (options,), {"json": False, "out": None}))
     said = capsys.readouterr().out
     assert "1 mm     length of leg 3" in said
-    assert said.endswith("joints of a leg are counted from the body on\n")
+    assert said.endswith("joints of a leg are counted outward from the body\n")
 
 
 @pytest.mark.parametrize("name", ["", "x", "x.xyz", "x.tex", "taken.png"])

@@ -177,7 +177,7 @@ def test_round_shapes_are_drawn_in_few_faces(recorded, model):
 def test_colours_are_explained(recorded):
     said = dict(entries(recorded))
     assert said["achieved path"] == palette.ACHIEVED.colour
-    assert said["legs of tripod 2, and paler their footprints"] == palette.group(1)
+    assert said["legs of tripod 2; their footprints are paler"] == palette.group(1)
 
 
 def test_a_button_of_the_panel_sets_the_speed(monkeypatch):
