@@ -198,7 +198,7 @@ def numbered(colour: str) -> Style:
 def _add_key(axes: Axes) -> None:
     box: Style = {"marker": "s", "markerfacecolor": "white", "linestyle": ""}
     step: Style = {"color": INK, "marker": ">", "label": "steps of the gait, in order"}
-    other = "feet on the ground that are no stratum of the system"
+    other = "set of feet that is no stratum of the system"
     axes.plot([], [], color=NOMINAL, markersize=7, label="stratum", **box)
     axes.plot([], [], color=NOMINAL, linewidth=1.2, label="lift-off or touchdown")
     axes.plot([], [], **step)
