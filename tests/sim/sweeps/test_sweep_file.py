@@ -76,7 +76,7 @@ def test_more_points_than_are_checked_in_seconds_are_refused(tmp_path):
     path = str(write_sweep(tmp_path, "[grid]\n" + varies.format(25_000)))
     assert len(read_sweep(path)) == 50_000
     path = str(write_sweep(tmp_path, "[grid]\n" + varies.format(25_001)))
-    with pytest.raises(UsageError, match="50002 points: .*; ask for 50000 at most"):
+    with pytest.raises(UsageError, match="50002 points: .* at most 50000 points"):
         read_sweep(path)
 
 
