@@ -154,10 +154,8 @@ def test_a_servo_on_a_bus_is_asked_for_by_the_line_that_jogs_it(calibrate, tmp_p
         raise EOFError
 
     assert (changed, calibrate(leave, "own.xml")) == (1, 2)
-    script = Path("calibration/bus.py").read_text()
-    line = re.search(r"joint moved by (j \d+ \d+) ", asked[0])[1]
-    assert line == "j 1 2048"  # half of the turn that its data sheet divides by 4096
-    assert re.search(r"^  j \d+ \d+ ", script, re.MULTILINE)
+    # half of the turn that its data sheet divides by 4096
+    assert "joint moved by j 1 2048 " in asked[0]
 
 
 def test_answers_are_read_from_a_file(calibrate, tmp_path, capsys):
