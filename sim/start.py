@@ -50,6 +50,7 @@ def _end_early(number: int, frame: object) -> NoReturn:
 
 def _prepare_streams() -> None:
     """Say everything on any terminal, and nothing where there is none."""
+    sys.stdin = sys.stdin or open(os.devnull)  # noqa: SIM115
     sys.stdout = sys.stdout or open(os.devnull, "w")  # noqa: SIM115
     sys.stderr = sys.stderr or open(os.devnull, "w")  # noqa: SIM115
     for stream in (sys.stdout, sys.stderr):

@@ -13,7 +13,6 @@ from typing import Any
 
 from models.description.makes import servo_of
 from models.description.servos import BOARD_CLOCK, JointServo, ServoKind
-from models.description.table import is_plain
 from planner.support import unknown
 
 # [s]; with slower lifts the slip at lift-off and touchdown no longer decreases
@@ -182,8 +181,8 @@ class Card:
             )
 
     def _check_groups(self) -> None:
-        if odd := [n for n in self.groups if len(n) != 1 or not is_plain(n)]:
-            raise ValueError(f"names of groups are one character each, got {odd}")
+        if odd := [n for n in self.groups if len(n) != 1 or not n.isalnum()]:
+            raise ValueError(f"names of groups are a letter or digit each, got {odd}")
         grouped = chain.from_iterable(group.legs for group in self.groups.values())
         for leg in sorted({*self.legs, *grouped}):
             of = [name for name, group in self.groups.items() if leg in group.legs]

@@ -160,6 +160,8 @@ def write_run_folders(points: Points, folder: SweepFolder) -> list[str]:
     Complete folders are left alone. The result says what went wrong with which point.
     """
     own, wrong = RunFolder(folder.path), []
+    if (runs := (own.path / run_folder(0)).parent).is_symlink():
+        raise UsageError("is a link, which may lead anywhere", str(runs), "remove it")
     look, last = None, "summary.json"
     if points.sweep.filmed:
         look, last = "draft", "video.mp4"

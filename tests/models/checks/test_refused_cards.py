@@ -49,7 +49,8 @@ LEG = '1 = { swing = "swing_1", lift = "lift_1", raise = 1, foot = ["foot_1"] }'
         (", 6 = 1", "", "leg 6 is in no group; every leg belongs to exactly one"),
         (", 6 = 1", ", 6 = 1, 7 = 1", "group.2: there is no leg 7"),
         ("{ 2 = 1, 3 = 1, 6 = 1 }", "[2, 3, 6]", "group.2.legs must be a table"),
-        ("[group.1]", "[group.left]", "names of groups are one character each"),
+        ("[group.1]", "[group.left]", "names of groups are a letter or digit each"),
+        ("[group.1]", '[group."+"]', "names of groups are a letter or digit each"),
         ("[group.1]", "[group.1]\ntwist = [1, 2]", "group.1.twist is forward, left"),
         (f"strata = {STRATA}", "", "gait.strata is missing"),
         (

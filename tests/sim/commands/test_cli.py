@@ -286,3 +286,10 @@ def test_unforeseen_error_is_a_bug_of_ours_and_says_where(monkeypatch, capsys):
     said = capsys.readouterr().err
     assert "a bug of ours, ZeroDivisionError: division by zero: " in said
     assert f"{Path('sim', 'commands', 'systems.py')}:" in said
+
+
+def test_a_closed_standard_input_is_an_empty_one(tmp_path):
+    asked = f"{sys.executable} -m sim.start calibrate hexapod --out new <&-"
+    done = subprocess.run(asked, shell=True, cwd=tmp_path, capture_output=True)
+    assert done.returncode == 2
+    assert b"answers end: standard input" in done.stderr

@@ -2,7 +2,7 @@
 
 import pytest
 
-from sim.errors import FilesError
+from sim.errors import FilesError, UsageError
 from sim.sweeps import sweeping
 from sim.sweeps.file import read_sweep
 from sim.sweeps.folder import Shard, SweepFolder, sole_owner
@@ -54,6 +54,17 @@ def test_one_process_at_a_time_makes_run_folders(walked, tmp_path):
         walked("false", "half.npz")
     assert [*tmp_path.glob("out/runs/*/*")] == [tmp_path / HALF]
     assert walked("false") == ["point-00000"]
+
+
+def test_nothing_is_removed_or_written_behind_a_link(walked, tmp_path):
+    precious = tmp_path / "outside" / "point-00000" / "thesis.txt"
+    precious.parent.mkdir(parents=True)
+    precious.touch()
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "runs").symlink_to(tmp_path / "outside")
+    with pytest.raises(UsageError, match="is a link, which may lead anywhere"):
+        walked("false")
+    assert precious.exists()
 
 
 def test_a_full_disk_is_no_matter_of_one_point(tmp_path, monkeypatch):
