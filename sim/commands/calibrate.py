@@ -45,10 +45,10 @@ def calibrate(options: argparse.Namespace) -> None:
     robot = cli.robot_of(options, options.robot)
     kind = _kind(robot)
     folder = RunFolder(ensure_folder(Path(options.out)))
+    robot = _owned(robot, folder, options)
     if options.check:
         told = _check(robot, kind, folder)
     else:
-        robot = _owned(robot, folder, options)
         _prepare(robot, kind, folder, options)
         with redirect_stdout(sys.stderr) if options.json else nullcontext():
             told = _calibrated(robot, kind, folder, options)
@@ -94,7 +94,7 @@ def _prepare(
 def _owned(robot: Robot, folder: RunFolder, options: argparse.Namespace) -> Robot:
     """The robot whose card is written: a copy in the folder of one that is shipped."""
     source = robot.path
-    if robot.has_card_inside:
+    if robot.has_card_inside and not options.check:
         remedy = f"move it to {source.with_suffix('.toml')}; then go on: {again()}"
         raise UsageError("the card is inside the robot's file", str(source), remedy)
     if source.parent != FOLDER:

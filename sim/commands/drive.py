@@ -87,7 +87,7 @@ class Poses:
                     return
                 pose = _pose(line) if line.strip() else None
             except Exception as error:  # whatever is sent, the command must know of it
-                what = f"not a pose, {type(error).__name__}: {error}"
+                what = f"not a pose, {error if type(error) is ValueError else 'broken'}"
                 remedy = 'write {"time": 1.0, "x": 0.0, "y": 0.0, "yaw": 0.0}'
                 self._queue.put(UsageError(what, f"line {number} of --poses", remedy))
                 return

@@ -77,7 +77,7 @@ def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | No
     runs = {path: read_run(path) for path in paths if path.is_dir()}
     if not named and paths[0] not in runs:
         what = f"{first!r} is neither a robot nor a run, and a log names no robot"
-        raise UsageError(what, "the command line", f"stratawalk fit hexapod {first}")
+        raise UsageError(what, "fit", f"name it: stratawalk fit hexapod {first}")
     run = runs.get(paths[0])
     robot = cli.robot_of(options, run.scenario.robot if run and not named else first)
     settings = cli.settings_of(options)

@@ -177,7 +177,7 @@ def _number(name: str, cell: str, row: int) -> float:
     except ValueError:
         value = inf
     if abs(value) == inf:
-        raise ValueError(f"{cell[:40]!r} in row {row}, column {name!r}")
+        raise ValueError(f"{cell[:40]!r} in row {row}, column {name!r}, is no number")
     return value
 
 

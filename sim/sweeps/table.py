@@ -68,7 +68,7 @@ def read_table(path: Path) -> tuple[dict[str, list[object]], dict[str, Any]]:
         about = json.loads(table.schema.metadata[ABOUT.encode()])
         columns = {name: _values(table[name]) for name in table.column_names}
     except (pa.ArrowException, OSError, *UNREADABLE) as error:
-        what = f"not the table of a sweep, {error}"
+        what = f"not the table of a sweep, {str(error).partition('. ')[0]}"
         remedy = "give the table that `stratawalk sweep` has written"
         raise UsageError(what, str(path), remedy) from error
     return columns, about

@@ -180,7 +180,7 @@ def test_what_takes_no_commands_is_named(capsys):
 def test_whatever_is_sent_for_a_pose_is_refused_in_one_line(line):
     """Neither an overflow nor bytes that are no text end the thread that listens."""
     poses = Poses(io.TextIOWrapper(io.BytesIO(line + b"\n"), encoding="utf-8"))
-    with pytest.raises(UsageError, match=r"not a pose, .*Error: .*line 1 of --poses"):
+    with pytest.raises(UsageError, match="not a pose, (broken|a number is).*: line 1"):
         poses.next(10.0)
 
 

@@ -74,3 +74,5 @@ def test_the_reason_of_slip_is_given_where_it_was_foreseen(walked):
     assert "prediction has only" in tables.sentences(lost)[3]
     missed = replace(run, summary=replace(run.summary, verdict="missed"))
     assert "normal" not in tables.sentences(missed)[3]
+    played = replace(run, summary=replace(run.summary, goal=None))  # on no path
+    assert "normal: feet of legs with two joints" in tables.sentences(played)[3]
