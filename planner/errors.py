@@ -34,7 +34,8 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     if near and len(known) > MANY:
         return f"did you mean {near[0]!r}?"
     question = f"did you mean {near[0]!r}? " if near else ""
-    return f"{question}there are {', '.join(known) or 'none'}"
+    are, listed = "is" if len(known) == 1 else "are", ", ".join(known) or "none"
+    return f"{question}there {are} {listed}"
 
 
 def unknown(name: str, known: Iterable[str]) -> str:
@@ -184,13 +185,13 @@ class BudgetError(PlannerError):
     Example:
         >>> from planner import BudgetError
         >>> print(BudgetError(2.0, best="12 segments"))
-        none within 2 s; it had come to 12 segments; ask for less, or for fewer segments
+        none within 2 s; it had come to 12 segments; ask for fewer segments or more time
     """
 
     def __init__(self, seconds: float, best: str) -> None:
         come_to = f"it had come to {best}" if best else "nothing was found yet"
         super().__init__(
-            f"none within {seconds:g} s; {come_to}; ask for less, or for fewer segments"
+            f"none within {seconds:g} s; {come_to}; ask for fewer segments or more time"
         )
 
 

@@ -41,7 +41,7 @@ def car_with_trailers(trailers: int = 1, length: float = 1) -> Problem:
     back, aside = (sp.Add(*map(part, headings[1:])) for part in (sp.cos, sp.sin))
     parked = smooth(
         name="car-trailers",
-        description="a car with trailers, parked sideways; each trailer adds a degree",
+        description="a car with trailers, parked sideways; each adds 1 to the degree",
         state=["x", "y", *map(str, headings), "phi"],
         fields={"drive": drive, "steer": steer},
         goal={"y": 0.01},

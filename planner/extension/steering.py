@@ -225,8 +225,8 @@ def steering(
         raise ValueError(f"degree is {degree!r}; a whole number is needed")
     if degree < highest:
         raise ValueError(
-            f"degree is {degree}, but the elements are of degree {highest}; give at "
-            f"least {highest}"
+            f"degree is {degree}, but plans steer by brackets of degree {highest}; "
+            f"give at least {highest}"
         )
     hall = hall_fields(system, generators, degree, MOST_COORDINATES)
     selected = tuple(_index(tree, hall.names) for tree in trees)

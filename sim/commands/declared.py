@@ -134,7 +134,7 @@ def real(text: str, what: str, example: float, zero: bool = False) -> float:
 
 def share(text: str) -> float:
     """A share of the path; any where it is `none`."""
-    return inf if text == "none" else real(text, "a share", 0.05, zero=True)
+    return inf if text == "none" else real(text, "a share of the path", 0.05, zero=True)
 
 
 def shard(text: str) -> object:

@@ -206,7 +206,7 @@ def _refuse_option(
             remedy = remedy or f"stratawalk {command} takes it"
     named = [f"--{key}" for key in _settings_named(name) if settings]
     near = partial(get_close_matches, f"--{name}", [*known, *settings], n=1)
-    nearest = near(cutoff=0.8) or named or near()
+    nearest = near(cutoff=0.8) or named or near(cutoff=0.7)
     if not remedy and nearest and nearest[0] not in known:
         remedy = f"write --set {_given(nearest[0][2:], given)}"
     remedy = remedy or did_you_mean(option, known)

@@ -210,7 +210,7 @@ class Settings:
         "greatest height of bumps in the floor", 0.0, "world", "m"
     )
     imperfect: Literal["hobby"] | None = imperfection(
-        "set of random imperfections in place of those given", None, ("world", "drive")
+        "set of random imperfections instead of single ones", None, ("world", "drive")
     )
     predictions: tuple[Predicted, ...] | None = setting(
         "predictions to make beside the ideal one; all if not given", None, "rows"
@@ -219,7 +219,7 @@ class Settings:
         "imperfections that the compliant prediction knows", "given", "told"
     )
     draw: Annotated[int, Range(0, 2**32 - 1)] = setting(
-        "number of the random draw of zeros, friction and bumps", 0, ("world", "drive")
+        "number of the draw of random imperfections", 0, ("world", "drive")
     )
     swing_speed: Annotated[float, Range(LEAST, 100)] = setting(
         "highest speed of a swing joint", 0.5, "motion", "rad/s"
