@@ -160,7 +160,7 @@ class IdentifiedTwists:
             if failed.stratum == stratum:
                 raise MeasurementError(
                     f"field {name} could not be measured: {failed.reason}; "
-                    "choose groups that it can stand on"
+                    "take stiffer servos, or groups on which the robot can stand"
                 )
         on = {n: f for n, f in self.fields.items() if f.stratum == stratum}
         inverse = np.linalg.pinv(np.array([f.direction for f in on.values()]))

@@ -188,7 +188,8 @@ def _outcome(
     accuracy = steps = None
     with stage(progress, "trying what would help"):
         helps = problem.helps(solution.plan)
-    if helps or not problem.replan:  # nothing is left to say of replanning that arrives
+    searched = problem.objective != "none" and not solution.fallback
+    if helps or not (problem.replan or searched):  # else nothing is left to say
         with stage(progress, "measuring the accuracy"), suppress(BudgetError):
             with limited(problem.plan_time):
                 both = Accuracy.of(problem, solution.plan), Steps.of(problem)

@@ -245,22 +245,20 @@ def describe(tries: Sequence[Try], path_length: float) -> Iterator[str]:
             yield f"draw {one.draw}: {one.verdict}"
     if not walked:
         return
-    yield f"{'':13}{'median':>22}{'worst':>22}"
+    yield f"{'distance from':22}{'median':>22}{'worst':>22}"
     for name, (quantity, row) in MEASURES.items():
         values = [v for one in walked if (v := getattr(one, name)) is not None]
-        if not values:
+        if not values or quantity is quantities.YAW:
             continue
         worst = min if quantity is quantities.MARGIN else max
         ends = median(values), worst(values)
         words = [quantity.words(end) for end in ends]
         if quantity is quantities.POSITION and path_length:
-            words = [
-                f"{w} {end / path_length:7.2%}"
-                for w, end in zip(words, ends, strict=True)
-            ]
-        if quantity is not quantities.YAW:
-            label = quantities.ROWS[row] if quantity is quantities.POSITION else name
-            yield f"{label:13}" + "".join(f"{text:>22}" for text in words)
+            shares = [f" {end / path_length:7.2%}" for end in ends]
+            words = [w + share for w, share in zip(words, shares, strict=True)]
+        named = quantity is quantities.POSITION
+        label = quantities.ROWS[row] if named else quantity.label
+        yield f"{label:22}" + "".join(f"{text:>22}" for text in words)
 
 
 def judged_tries(tries: Sequence[Try], tolerance: float, remedy: str) -> ExitCode:

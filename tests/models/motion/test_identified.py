@@ -53,7 +53,7 @@ def test_one_moment_of_many_is_enough_to_be_refused():
 def test_a_field_that_failed_is_missed_on_its_own_stratum_alone():
     twists = replace(TWISTS, failed={"c": FailedField("2", "it fell over")})
     assert twists("1", NOWHERE, NOWHERE).shape == (1, 3)
-    said = "field c could not be measured: it fell over; choose groups"
+    said = "field c could not be measured: it fell over; take stiffer servos, or groups"
     with pytest.raises(MeasurementError, match=said):
         twists("2", NOWHERE, NOWHERE)
 

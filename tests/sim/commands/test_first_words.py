@@ -103,6 +103,9 @@ def test_check_says_what_it_judges_and_of_one_stratum_nothing_of_others(stratawa
     _, out, _ = stratawalk("check", "car-trailers")
     assert "across strata" not in out
     assert "rank 5 of 5, the same, as there is one stratum (Def. 3)" in out
+    for system, across in (("biped", True), ("finger-gaiting", False)):  # no brackets
+        _, out, _ = stratawalk("check", system)
+        assert ("plans steer by brackets across strata" in out) is across
 
 
 def test_help_of_set_says_how_a_system_is_changed(stratawalk):

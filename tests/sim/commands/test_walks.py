@@ -77,6 +77,8 @@ def test_median_and_worst_are_of_the_draws_that_walked():
     assert "draw 2: simulation diverged" in said
     (goal,) = (line for line in said.splitlines() if line.startswith("goal"))
     assert goal.split() == ["goal", "2.00", "mm", "1.00%", "3.00", "mm", "1.50%"]
+    assert said.splitlines()[2].split() == ["distance", "from", "median", "worst"]
+    assert said.splitlines()[-1].startswith("least margin ")
 
 
 def judged(capsys, *tries, tolerance=0.25):

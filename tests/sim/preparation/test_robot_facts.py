@@ -34,6 +34,15 @@ def test_a_robot_of_ones_own_is_shown_leg_by_leg(scenario, tmp_path):
     assert "gait        12 1 12 2 12, the groups of legs that stand in turn" in lines
 
 
+@pytest.mark.parametrize(("robot", "outside"), [("hexapod", 0), ("quadruped", 1)])
+def test_a_negative_margin_at_rest_is_explained_where_there_is_one(
+    scenario, robot, outside
+):
+    text = render("robot.txt", **facts_of(prepare(scenario(robot=robot))))
+    assert text.count("from the centre of mass at rest to the edge") == 1
+    assert text.count("the robot must move its body before it lifts a foot") == outside
+
+
 @pytest.mark.parametrize(
     ("servo", "told", "some"),
     [
