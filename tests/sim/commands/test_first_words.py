@@ -113,3 +113,16 @@ def test_help_of_set_says_how_a_system_is_changed(stratawalk):
     assert "a parameter such as trailers=2 (`stratawalk systems`" in " ".join(
         out.split()
     )
+
+
+def test_of_an_optimised_plan_no_convergence_is_told(facts):
+    """It ends at its goal in any number of segments, unlike the stratified plan."""
+    options = "plan", "unicycle", "--segments", "2"
+    assert facts(*options)["accuracy"]["order"] == 0.5
+    found = facts(*options, "--optimise", "time")
+    assert (found["steps"], found["accuracy"]) == (None, None)
+
+
+def test_an_option_that_resembles_no_setting_is_not_taken_for_one(stratawalk):
+    _, _, said = stratawalk("run", "line", "--frobnicate")  # somewhat like friction
+    assert "unknown option --frobnicate: stratawalk run; did you mean '--rob" in said

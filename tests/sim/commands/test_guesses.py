@@ -165,7 +165,6 @@ def test_a_slip_of_the_finger_is_answered_with_what_was_meant(words, meant, caps
         ("run line friction=0.5", "write --set friction=0.5"),
         ("run line --set friction 0.5", "write --set friction=0.5"),
         ("run line --fric 0.5", "write --set friction=0.5"),
-        ("run line --frobnicate", "did you mean '--robot'? there are --help"),
         ("run line --replay", "stratawalk view takes it"),
         ("--robot hexapod run line", "try stratawalk run line --robot hexapod"),
         ("run line.toml", "give 'line', as shipped, or a TOML file"),
@@ -285,10 +284,7 @@ def test_the_version_of_a_run_ends_no_entry_of_a_bibliography(folder, capsys):
     [
         ("run line --draw -1", "-1 is not allowed: --draw; give a whole number, 0 or"),
         ("run line --tries 0", "0 is not allowed: --tries; give a whole number, 1 or"),
-        (
-            "run line --tolerance a",
-            "a is not a share of the path: --tolerance; give a",
-        ),
+        ("run line --tolerance a", "a is not a share of the path: --tolerance; give"),
         ("export line --format csv --out x --rate 0", "0 is not a rate: --rate; give"),
         ("design hexapod --designs 1.5", "1.5 is not allowed: --designs; give"),
         (

@@ -173,14 +173,6 @@ def test_critical_step_is_told_beside_the_segments(stratawalk, facts):
     assert (arrived["steps"], arrived["accuracy"]) == (None, None)
 
 
-def test_of_an_optimised_plan_no_convergence_is_told(facts):
-    """It ends at its goal in any number of segments, unlike the stratified plan."""
-    options = "plan", "unicycle", "--segments", "2"
-    assert facts(*options)["accuracy"]["order"] == 0.5
-    found = facts(*options, "--optimise", "time")
-    assert (found["steps"], found["accuracy"]) == (None, None)
-
-
 def test_scenario_is_planned_to_the_degree_asked_for(facts):
     printed = facts("plan", "line", "--segments", "20")
     higher = facts("plan", "line", "--segments", "20", "--degree", "4")

@@ -92,8 +92,8 @@ def test_draws_end_with_the_code_of_the_worst(capsys):
     assert judged(capsys, fine, fine) == (0, "")
     code, said = judged(capsys, fine, far)
     assert code == 7
-    assert "1 came out farther off" in said
-    assert "at worst 40 % of the path: 2 draws" in said
+    assert "1 ended farther off" in said
+    assert "at worst 40 % of the path, yaw included: 2 draws" in said
     assert judged(capsys, fine, far, tolerance=0.5) == (0, "")
     assert judged(capsys, far, fell)[0] == 4
     assert judged(capsys, far, none)[0] == 4
