@@ -118,8 +118,8 @@ def _in_folder(folder: Path) -> Path:
         if path.is_file() and FREE.search(read_file(path).decode(errors="replace")):
             return path
     raise UnknownRobotError(
-        f"no robot in {folder}: none of its {len(files)} MJCF files has a free joint; "
-        "name the file itself"
+        f"no MJCF file with a free joint, of {len(files)} in all: {folder}; name the "
+        "file of the robot itself"
     )
 
 

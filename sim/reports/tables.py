@@ -129,7 +129,7 @@ def settings(run: Run) -> Table:
     ]
     rows += [(name, toml_value(value), "") for name, value in flat(given)]
     for key, value in run.summary.servo.items():
-        text = "not set" if value is None else str(value)
+        text = "not set" if value is None else toml_value(value)
         rows.append((f"servo: {key}", text, "as it was simulated"))
     return Table(("setting", "value", "meaning"), rows)
 
