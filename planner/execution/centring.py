@@ -138,6 +138,5 @@ def _place(
         return through - system.switches(before, after)
 
     k, stratum = min(product(range(first, len(done) + 1), recoveries), key=added)
-    segment = [*done, following][k].segment if k else 0
-    done.insert(k, _Visit(stratum, segment))
+    done.insert(k, _Visit(stratum, [*done, following][k].segment if k else 0))
     return done[k]

@@ -116,8 +116,7 @@ def _together(J: Array) -> Array:
 
 def _shares(feet: Array, center: Array, three: Array) -> Array:
     """Shares of the weight on feet that bear it three by three, (N, C, 3)."""
-    corner = feet[:, three, :2]  # (N, C, 3, 2)
-    spokes = corner - center[:, None, None, :2]
+    spokes = feet[:, three, :2] - center[:, None, None, :2]  # (N, C, 3, 2)
     after = np.roll(spokes, -1, axis=2)
     area = spokes[..., 0] * after[..., 1] - spokes[..., 1] * after[..., 0]
     whole = area.sum(axis=2, keepdims=True)

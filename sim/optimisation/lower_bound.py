@@ -232,8 +232,7 @@ def _certificate(
     found = linprog(cost, np.vstack(rows), np.concatenate(most), bounds=free)
     if found.status != 0:
         return None
-    grid = np.arange(ANGLES)
-    values = [np.interp(grid, knots, found.x[own]) for own in heights]
+    values = [np.interp(np.arange(ANGLES), knots, found.x[own]) for own in heights]
     share = float(found.x[-1]) if overlapped else 0.0
     return found.x[: 2 * count].reshape(-1, 2), np.array(values), share
 

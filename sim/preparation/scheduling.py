@@ -114,8 +114,7 @@ def joined(
 def check_effort(setup: Setup, steps: int) -> None:
     """Refuse a simulation that takes too many steps or too much memory."""
     scenario = setup.scenario
-    rows = steps // scenario.sample_every
-    needed, there = rows * _row_size(setup), _memory()
+    needed, there = steps // scenario.sample_every * _row_size(setup), _memory()
     if steps <= MOST_STEPS and needed <= there:
         return
     remedy = _slowest(scenario)

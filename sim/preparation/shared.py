@@ -65,8 +65,7 @@ def world_cache(scenario: Scenario, shared: Shared | None) -> Cache:
     """Caches what is measured in a world, whatever is walked in it."""
     if shared is None or scenario.bumps:  # which lie along the way
         return no_cache
-    key = scenario.key(*WORLD)
-    return lambda kind, make: shared.cached(kind, key, make)
+    return lambda kind, make: shared.cached(kind, scenario.key(*WORLD), make)
 
 
 def built(robot: Robot, scenario: Scenario) -> tuple[World, mujoco.MjModel]:

@@ -90,8 +90,7 @@ class SystemProblem(Problem):
         """The same problem with another degree, words, segments or replanning."""
         replan = bool(options.pop("replan", self.replan))
         options["degree"] = degree or self.problem.degree
-        problem = replace(self.problem, **options)  # type: ignore[arg-type]
-        return SystemProblem(problem, replan=replan)
+        return SystemProblem(replace(self.problem, **options), replan=replan)  # type: ignore[arg-type]
 
     def attempt(self, share: float = 1.0) -> float:
         """What a stratified plan for the first part of the line misses of its end."""
