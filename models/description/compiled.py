@@ -37,6 +37,8 @@ HEAVY = (
     "this part has no mass, or no inertia: write both (<inertial>), or leave that out "
     "and give it shapes that have mass (in URDF: <collision>)"
 )
+SOLVING = re.compile("iterations$|initpoints$")  # options that a step's time grows with
+MOST_ITERATIONS = 1000  # of these; the engine's own are 100 or fewer
 WORDS = {"jnt": "joint", "tex": "texture", "cam": "camera", "mat": "material"}
 
 # What the engine warns of is counted by its data, and would be written to a file here.
@@ -75,9 +77,13 @@ def _is_bad(value: str) -> bool:
 
 
 def check_model(model: mujoco.MjModel, source: str) -> None:
-    """Refuse a compiled model with a number that is not finite."""
+    """Refuse a compiled model with a number not finite, or solvers without end."""
     for what in _not_finite(model):
         raise ModelError(f"{what} is not finite: {source}; give it a number")
+    for name in filter(SOLVING.search, dir(model.opt)):
+        if (count := getattr(model.opt, name)) > MOST_ITERATIONS:
+            said = f"{name} of <option> is {count}, and a step might not end: {source}"
+            raise ModelError(f"{said}; give it {MOST_ITERATIONS} or less")
 
 
 def _not_finite(model: mujoco.MjModel) -> Iterator[str]:

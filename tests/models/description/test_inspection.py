@@ -42,6 +42,17 @@ def mesh(path):
     )
 
 
+ENDLESS = ("noslip_iterations", "iterations")
+
+
+@pytest.mark.parametrize("solver", ENDLESS)
+def test_a_robot_whose_steps_would_not_end_is_refused(robot, solver):
+    tolerance = solver.replace("iterations", "tolerance")
+    path = robot(f'<option {solver}="2000000000" {tolerance}="0"/>')
+    with pytest.raises(ModelError, match=f"^{solver} of <option> is 20*, .*mine.xml"):
+        inspect_model(path)
+
+
 OUTSIDE = {
     "a texture that is not drawn": (
         '<compiler discardvisual="true"/>'

@@ -62,6 +62,20 @@ ARRAYS = {
 }
 
 
+SOLVERS = ("iterations", "ls_iterations", "noslip_iterations", "ccd_iterations")
+SHAPES = ("sdf_iterations", "sdf_initpoints")
+
+
+@pytest.mark.parametrize("name", SOLVERS + SHAPES)
+def test_a_solver_with_which_a_step_might_not_end_is_refused(name):
+    spec = mujoco.MjSpec.from_string(text(option=f'{name}="1000"'))
+    compile_model(spec, "here")
+    setattr(spec.option, name, 2 * 10**9)
+    said = f"{name} of <option> is 2000000000, .*: here; give it 1000 or less"
+    with pytest.raises(ModelError, match=said):
+        compile_model(spec, "here")
+
+
 @pytest.mark.parametrize(("part", "name", "message"), ARRAYS.values(), ids=ARRAYS)
 def test_a_compiled_model_is_scanned_whole(part, name, message):
     spec = mujoco.MjSpec.from_string(text())
