@@ -173,8 +173,11 @@ def with_shapes(path: Path, given: str, text: str) -> tuple[str, tuple[str, ...]
         return text, ()
     try:
         robot, written = ET.fromstring(text), ET.fromstring(given)
+        ET.tostring(robot)  # which needs Python's stack
     except ET.ParseError:  # the compiler says it better
         return text, ()
+    except RecursionError:
+        raise ModelError(f"nested too deeply: {path}; take elements out") from None
     notes: tuple[str, ...] = ()
     if robot.find("link/collision") is None:
         for visual in robot.iterfind("link/visual"):

@@ -158,6 +158,5 @@ def _horner(coefficients: Array, units: Sequence[sp.Expr]) -> sp.Expr:
     to_powers = np.array([np.pad(c, (0, size - len(c))) for c in columns]).T
     value: sp.Expr = sp.S.Zero
     for part in np.tensordot(to_powers, coefficients, (1, 0))[::-1]:
-        inner = _horner(part, rest) if np.any(part) else sp.S.Zero
-        value = value * first + inner
+        value = value * first + (_horner(part, rest) if np.any(part) else sp.S.Zero)
     return value

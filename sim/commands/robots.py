@@ -90,9 +90,7 @@ def _adopted(options: argparse.Namespace) -> tuple[Source, Draft, Setup, list[Pa
         draft = draft_card(source)
     from sim.figures.mechanism import save_standing  # loads matplotlib
 
-    with whole_file(
-        card, new=True
-    ) as part:  # of two that adopt it at once, one goes on
+    with whole_file(card, new=True) as part:  # of two at once, one goes on
         part.write_text(draft.card, "utf-8")
     try:
         if source.text is not None:

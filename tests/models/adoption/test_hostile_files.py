@@ -89,6 +89,18 @@ def test_a_mesh_that_no_link_has_is_refused(urdf):
         source_of(str(path))
 
 
+DRAWN = "<visual><geometry><box size='1 1 1'/></geometry></visual>"
+
+
+@pytest.mark.parametrize("depth", [1000, 500_000])  # Python's limit; 3.5 MB
+def test_a_urdf_that_is_nested_too_deeply_is_refused(urdf, depth):
+    path = urdf("near.obj")
+    nested = "<a>" * depth + "</a>" * depth
+    path.write_text(f'<robot name="r"><link name="a">{DRAWN}{nested}</link></robot>')
+    with pytest.raises(ModelError, match="^nested too deeply: .*mine.urdf; take"):
+        source_of(str(path))
+
+
 def test_a_warning_of_the_engine_is_written_nowhere(urdf, capfd, monkeypatch):
     """Not of a joint whose limits are equal, say."""
     mass = (
