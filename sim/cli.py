@@ -13,7 +13,7 @@ import select
 import sys
 import traceback
 from collections.abc import Sequence
-from contextlib import suppress
+from contextlib import chdir, suppress
 from typing import TextIO
 
 from sim import interruption
@@ -49,6 +49,11 @@ def _execute(words: Sequence[str]) -> int:
     import logging  # slow to import, and of no use to `--help`
 
     logging.getLogger("matplotlib").setLevel(logging.ERROR)  # no word of its fonts
+    if os.path.lexists("matplotlibrc"):  # Matplotlib would obey what lies in a folder
+        if own := os.environ.get("MATPLOTLIBRC"):
+            os.environ["MATPLOTLIBRC"] = os.path.abspath(own)
+        with chdir(os.sep):
+            import matplotlib  # noqa: F401 (it reads that file here alone)
     return int(options.execute(options) or ExitCode.OK)
 
 

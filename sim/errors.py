@@ -182,9 +182,7 @@ def _describe(error: BaseException) -> str:
         return f"{error.strerror or error}: {place}; {remedy}"
     if isinstance(error, MemoryError):
         return "out of memory: this machine; ask for less at once"
-    if isinstance(error, PlannerError):
-        return f"no plan: {error}"
-    return str(error)
+    return f"no plan: {error}" if isinstance(error, PlannerError) else str(error)
 
 
 def _place(error: BaseException) -> str:

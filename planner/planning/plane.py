@@ -118,8 +118,7 @@ class Plane:
         """The direction in which the outputs move, near the mean of the headings."""
         a, b = self._velocity.velocity(x)
         mean = float(np.mean(x[list(self.headings)]))
-        off = float(np.arctan2(b, a)) - mean
-        return mean + (off + np.pi) % (2 * np.pi) - np.pi
+        return mean + (float(np.arctan2(b, a)) - mean + np.pi) % (2 * np.pi) - np.pi
 
     def aligned(self, place: Array, heading: float) -> Array:
         """The configuration with outputs at a place (2,) and all headings equal."""

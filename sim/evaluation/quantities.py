@@ -116,9 +116,7 @@ HEADER = f"{'':13}{'ends at x, y [m], yaw [rad]':33}{'from the achieved end':23}
 
 def number(value: float | None, digits: int = 2) -> str:
     """A number for people; a dash if there is none."""
-    if value is None:
-        return NONE
-    return f"{value:z,.{digits}f}".replace("-", MINUS)
+    return NONE if value is None else f"{value:z,.{digits}f}".replace("-", MINUS)
 
 
 def describe(summary: Summary) -> str:

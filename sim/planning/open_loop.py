@@ -142,8 +142,7 @@ def _count(setup: Setup, group: int, angle: float) -> float:
     """The nearest angle of a group, from rest, with its legs, or one, on counts."""
     robot, resolution = setup.robot, setup.servo.resolution
     legs = np.flatnonzero(robot.group_of_leg == group)
-    fastest = legs[np.abs(robot.swing_gain[legs]).argmax()]
-    gain = robot.swing_gain[fastest]
+    gain = max(robot.swing_gain[legs], key=abs)
     gains = np.abs(robot.swing_gain[legs] / gain)
     for counts in range(1, MOST_COUNTS + 1):  # of the fastest, at which all are on some
         if np.abs(counts * gains - np.round(counts * gains)).max() < ON_COUNT:

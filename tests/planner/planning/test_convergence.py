@@ -183,7 +183,7 @@ def test_redundant_elements_miss_less():
 @pytest.mark.parametrize(
     ("degree", "message"),
     [
-        (1, "degree is 1, but the elements are of degree 2; give at least 2"),
+        (1, "degree is 1, but plans steer by brackets of degree 2; give at least 2"),
         (30, "over 2 fields that do not commute has more than 500 brackets"),
         (10**6, "over 2 fields that do not commute has more than 500 brackets"),
     ],
