@@ -37,6 +37,7 @@ FARTHEST_POSE = 1e6  # [m] or [rad]; beyond, rounding would exceed single steps
 COLUMNS = ("x", "y", "yaw")  # of a file of poses, [m], [m], [rad]
 MOST_POSES, MOST_BYTES = 100_000, 10**8  # in such a file
 WHERE = "the nominal path"
+POSES_OR_FILE = 'file = "POSES.csv", or poses = [[0, 0, 0], [x, y, yaw], ...]'
 
 Coordinate = Annotated[float, Range(-FARTHEST_POSE, FARTHEST_POSE)]
 Length = Annotated[float, Range(LEAST, FARTHEST_POSE)]
@@ -78,7 +79,7 @@ def line(goal: Sequence[float]) -> NominalPath:
 
 def ellipse(semi_axes: Sequence[float]) -> NominalPath:
     """Once around from its right end, heading constant; semi-axes x, y [m] (Fig. 7)."""
-    wanted = f"two lengths above 0 [m], {NONE_BEYOND}"
+    wanted = f"a list of two lengths above 0 [m], {NONE_BEYOND}"
     axes = accept(semi_axes, tuple[Length, Length], wanted, WHERE, "path.semi_axes")
     length = planner.planning.ellipse_perimeter(axes)
     return NominalPath("ellipse", axes, START, length, planner.ellipse(START, axes))
@@ -102,7 +103,7 @@ def table(poses: Sequence[Sequence[float]]) -> NominalPath:
     try:
         curve, length = planner.planning.table_curve(points)
     except ValueError as error:
-        raise UsageError(str(error), "path.poses", "give different poses") from error
+        raise UsageError.at("path.poses", error) from error
     return NominalPath("table", points, points[-1], length, curve)
 
 
@@ -118,22 +119,22 @@ def formulas(given: Mapping[str, object]) -> NominalPath:
     start, goal = curve(0.0), curve(1.0)
     if np.abs(start).max() > CLOSE:
         wanted = "[0, 0, 0], the start pose"
-        raise refusal(start.tolist(), wanted, WHERE, "path at s = 0")
+        raise refusal(start.tolist(), wanted, WHERE, "path(0)")
     if np.abs(goal).max() > FARTHEST_POSE:
-        raise refusal(goal.tolist(), NONE_BEYOND, WHERE, "path at s = 1")
+        raise refusal(goal.tolist(), NONE_BEYOND, WHERE, "path(1)")
     x, y, yaw = goal.tolist()
     return NominalPath("formulas", dict(given), (x, y, yaw), length, curve)
 
 
 KINDS: dict[str, tuple[str, Callable[[Any], NominalPath]]] = {
-    "line": ("goal", line),
-    "ellipse": ("semi_axes", ellipse),
-    "waypoints": ("points", waypoints),
-    "route": ("goal", route),
-    "table": ("poses", table),
+    "line": ("goal = [x, y, yaw] [m, m, rad]", line),
+    "ellipse": ("semi_axes = [x, y] [m]", ellipse),
+    "waypoints": ("points = [[0, 0, 0], [x, y, yaw], ...] [m, m, rad]", waypoints),
+    "route": ("goal = [x, y, yaw] [m, m, rad]", route),
+    "table": ("poses = [[0, 0, 0], [x, y, yaw], ...] [m, m, rad]", table),
     "formulas": ("", formulas),
 }
-"""For each kind the key of its parameter, none where it is a table of its own, and
+"""For each kind its parameter as in a file, none where it is a table of its own, and
 what makes it."""
 
 
@@ -146,22 +147,22 @@ def decode(table: object) -> NominalPath:
     if isinstance(table, dict) and table.keys() == {"goal"}:
         table = {"kind": "route", **table}
     table = require_kind(table, "path", KINDS)
-    key, make = KINDS[table["kind"]]
+    parameter, make = KINDS[table["kind"]]
     if table["kind"] == "formulas":
         require_keys(table, "path of kind formulas", (), COLUMNS)
         return make({name: v for name, v in table.items() if name != "kind"})
     if table["kind"] == "table" and "poses" not in table:
-        require_keys(table, "path of kind table", ("file",))
+        require_keys(table, "path of kind table", (POSES_OR_FILE,), ("poses",))
         return make(_read_poses(table["file"]))
-    require_keys(table, f"path of kind {table['kind']}", (key,))
-    return make(table[key])
+    require_keys(table, f"path of kind {table['kind']}", (parameter,))
+    return make(table[parameter.partition(" ")[0]])
 
 
 def encode(path: NominalPath) -> dict[str, object]:
     """The table that `decode` turns into the path."""
     if isinstance(path.parameter, Mapping):
         return {"kind": path.kind, **path.parameter}
-    return {"kind": path.kind, KINDS[path.kind][0]: path.parameter}
+    return {"kind": path.kind, KINDS[path.kind][0].partition(" ")[0]: path.parameter}
 
 
 def _read_poses(file: object) -> list[tuple[float, ...]]:

@@ -152,7 +152,7 @@ def is_list(value: object) -> TypeGuard[Sequence[Any]]:
 def require_kind(table: object, where: str, kinds: Collection[str]) -> Table:
     """The table, once its `kind` is found to be a known one."""
     if not isinstance(table, Mapping) or not isinstance(table.get("kind"), str):
-        raise refusal(table, f"a table with kind = {' or '.join(kinds)}", where)
+        raise refusal(table, f"a table whose kind is one of {', '.join(kinds)}", where)
     if table["kind"] not in kinds:
         what = f"unknown kind {table['kind']!r}"
         raise UsageError(what, where, did_you_mean(table["kind"], kinds))
@@ -162,13 +162,13 @@ def require_kind(table: object, where: str, kinds: Collection[str]) -> Table:
 def require_keys(
     table: Table, where: str, needed: Iterable[str], allowed: Iterable[str] = ()
 ) -> None:
-    """Refuse a table that has an unknown key or lacks a needed one."""
-    known = (*needed, *allowed)
+    """Refuse a table with an unknown key or without a needed one, as `goal = [...]`."""
+    examples = {example.partition(" ")[0]: example for example in needed}
+    known = (*examples, *allowed)
     for key in table.keys() - {"kind", *known}:
         raise UsageError(f"unknown key {key!r}", where, did_you_mean(key, known))
-    for key in needed:
-        if key not in table:
-            raise UsageError(f"{key} is missing", where, f"give {key}")
+    for key in examples.keys() - table.keys():
+        raise UsageError(f"{key} is missing", where, f"give {examples[key]}")
 
 
 def _read_as(value: object, kind: object) -> object:
@@ -225,7 +225,7 @@ def words(kind: object) -> str:
     if origin is Literal:
         return " or ".join(filter(None, (", ".join(inner[:-1]), inner[-1])))
     if origin is tuple and inner[0] is str:
-        return "a list of texts in quotation marks"
+        return "a list of names in quotation marks"
     if origin is tuple and get_origin(inner[0]) is Literal:
         return f"a list of {words(inner[0])}"
     if origin is tuple:

@@ -94,8 +94,8 @@ def scenario_from(
             near = did_you_mean(CALLED.get(key, key), KEYS)
             raise UsageError(f"unknown key {key!r}", where, near)
     if "motion" in values and "path" in values:
-        what = "a motion is played, and a path is planned"
-        raise UsageError(what, where, "give one of motion and path")
+        what = "motion, which is played, and path, which is planned, are both given"
+        raise UsageError(what, where, "give one of them")
     needed = ("name", "path") if "motion" not in values else ("name",)
     if lacking := [key for key in needed if key not in values]:
         raise UsageError(f"{lacking[0]} is missing", where, f"give {lacking[0]}")

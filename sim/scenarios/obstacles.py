@@ -138,9 +138,9 @@ def _polygon(points: Sequence[Point], _: Table) -> Pieces:
 
 KINDS: Mapping[str, tuple[int, tuple[str, ...], tuple[str, ...], Callable[..., Pieces]]]
 KINDS = {
-    "wall": (2, ("points",), ("thickness",), _wall),
-    "box": (0, ("center", "size"), ("yaw",), _box),
-    "polygon": (3, ("points",), (), _polygon),
+    "wall": (2, ("points = [[x, y], ...] [m]",), ("thickness",), _wall),
+    "box": (0, ("center = [x, y] [m]", "size = [x, y] [m]"), ("yaw",), _box),
+    "polygon": (3, ("points = [[x, y], ...] [m]",), (), _polygon),
 }
 """For each kind how many points it has at least, the keys it must have, those it may
 have, and what makes its pieces, or says which points would be possible."""

@@ -73,7 +73,7 @@ def _require_counts(robot: Robot, scenario: Scenario) -> None:
     for name, (count, what, order) in {**of_joints, "foot_friction": feet}.items():
         given = getattr(scenario, name)
         if isinstance(given, tuple) and len(given) != count:
-            wrong = f"{name} has {len(given)} values for {count} {what}"
+            wrong = f"there are {count} {what}, and {name} lists {len(given)}"
             where, remedy = f"scenario {scenario.name!r}", f"give one for each {order}"
             raise UsageError(wrong, where, remedy)
 
