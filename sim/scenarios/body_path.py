@@ -118,10 +118,9 @@ def formulas(given: Mapping[str, object]) -> NominalPath:
         raise UsageError.at("path", error, "write formulas of s") from error
     start, goal = curve(0.0), curve(1.0)
     if np.abs(start).max() > CLOSE:
-        wanted = "[0, 0, 0], the start pose"
-        raise refusal(start.tolist(), wanted, WHERE, "path(0)")
+        raise refusal(start.tolist(), "[0, 0, 0], the start pose", WHERE, "path(0)")
     if np.abs(goal).max() > FARTHEST_POSE:
-        raise refusal(goal.tolist(), NONE_BEYOND, WHERE, "path(1)")
+        raise refusal(goal.tolist(), f"numbers, {NONE_BEYOND}", WHERE, "path(1)")
     x, y, yaw = goal.tolist()
     return NominalPath("formulas", dict(given), (x, y, yaw), length, curve)
 

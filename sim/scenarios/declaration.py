@@ -165,9 +165,9 @@ def require_keys(
     """Refuse a table with an unknown key or without a needed one, as `goal = [...]`."""
     examples = {example.partition(" ")[0]: example for example in needed}
     known = (*examples, *allowed)
-    for key in table.keys() - {"kind", *known}:
+    for key in [key for key in table if key not in ("kind", *known)]:
         raise UsageError(f"unknown key {key!r}", where, did_you_mean(key, known))
-    for key in examples.keys() - table.keys():
+    for key in [key for key in examples if key not in table]:
         raise UsageError(f"{key} is missing", where, f"give {examples[key]}")
 
 

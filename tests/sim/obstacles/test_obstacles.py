@@ -139,9 +139,14 @@ def test_touches_are_counted_when_they_begin(scenario):
 @pytest.mark.parametrize(
     ("table", "message"),
     [
-        ("wall", "'wall' is not allowed: obstacle 1; give a table with kind = wall or"),
+        ("wall", "'wall' is not allowed: obstacle 1; give a table whose kind is on"),
         ({"kind": "moat"}, "unknown kind 'moat': obstacle 1; there are wall, box, p"),
-        ({"kind": "box", "size": [1, 1]}, "center is missing: obstacle 1; give center"),
+        (
+            {"kind": "box", "size": [1, 1]},
+            r"center is missing: obstacle 1; give center = \[x, y\]",
+        ),
+        ({"kind": "box"}, "center is missing"),  # the first of all, in every process
+        (BOX | {"c": 1, "b": 1, "a": 1}, "unknown key 'c'"),
         (BOX | {"hight": 1}, "unknown key 'hight': obstacle 1; did you mean 'height'"),
         (
             BOX | {"size": [1, 0]},

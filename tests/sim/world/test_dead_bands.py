@@ -87,7 +87,7 @@ def test_dead_bands_are_drawn_servo_by_servo_within_their_spread(scenario):
 
 
 def test_a_dead_band_for_each_joint_is_asked_for(standing):
-    with pytest.raises(UsageError, match="dead_band has 2 values for 12 joints"):
+    with pytest.raises(UsageError, match="there are 12 joints, and dead_band lists 2"):
         standing(dead_band=[0.01, 0.02])
 
 

@@ -119,7 +119,7 @@ def test_contacts_of_feet_with_friction_of_their_own_are_as_stiff(standing, stif
 
 
 def test_as_many_frictions_as_feet_are_asked_for(standing):
-    with pytest.raises(UsageError, match="foot_friction has 2 values for 6 feet"):
+    with pytest.raises(UsageError, match="there are 6 feet, and foot_friction lists 2"):
         standing(foot_friction=[0.5, 0.6])
 
 
@@ -235,7 +235,9 @@ def test_zeros_of_servos_are_given_joint_by_joint(standing):
 
 
 def test_a_zero_for_each_joint_is_asked_for(standing):
-    with pytest.raises(UsageError, match="zero_offset has 2 values for 12 joints"):
+    with pytest.raises(
+        UsageError, match="there are 12 joints, and zero_offset lists 2"
+    ):
         standing(zero_offset=[0.01, 0.02])
     with pytest.raises(UsageError, match="a number from 0 to 0.2, or a list of num"):
         standing(zero_offset=[0.3] * 12)
