@@ -1,7 +1,7 @@
 """What a phase does to a robot, computed once for all phases that are alike.
 
 Lifting a leg wipes out what its foot remembers, so the motion in a phase depends on the
-commands of the last two seconds alone, and on the heading where the floor leans. Pieces
+commands of the last few seconds alone, and on the heading if the floor leans. Pieces
 of a walk are computed side by side as lanes, and the walk is composed of its phases.
 """
 
@@ -24,7 +24,7 @@ from sim.motion.poses import compose, relative
 from sim.motion.stability import carrying, stability_margin
 
 REMEMBERED = 2.0  # [s] that feet remember; 1.5 is as good, 0.3 is not
-LIFTS_REMEMBERED = 20 / 3  # lift times that they remember where these are long
+SOON = 0.3  # [s]; lifts k times as long are remembered k^2.5 times as long, measured
 ALIKE = 1e-5  # [rad]; commands closer than this do the same
 SAME_HEADING = 0.02  # [rad], where gravity leans
 LOOKED_AT = 4  # moments of a phase at which commands are compared

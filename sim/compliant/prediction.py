@@ -15,7 +15,7 @@ from planner import Array
 from sim.compliant.anatomy import anatomy_of, robots_of
 from sim.compliant.increment import LOADED, Mechanics
 from sim.compliant.march import Commands, changes
-from sim.compliant.phases import LIFTS_REMEMBERED, REMEMBERED, Course, Phases
+from sim.compliant.phases import REMEMBERED, SOON, Course, Phases
 from sim.motion.poses import wrap
 from sim.motion.prediction import Prediction, Predictor
 from sim.motion.schedule import Schedule
@@ -80,7 +80,7 @@ def course_along(
     held = bool(setup.servo.resolution or 0 < rate < SMOOTH)
     edges = np.union1d(ends, changes(rows, dt)) if held else ends
     commands = Commands(rows, dt, np.append(edges, FOREVER), held)
-    memory = max(REMEMBERED, LIFTS_REMEMBERED * setup.limits.lift_time)
+    memory = REMEMBERED * max(1.0, setup.limits.lift_time / SOON) ** 2.5
     return Course(commands, spans, heading, restarts, memory)
 
 
