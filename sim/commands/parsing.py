@@ -39,6 +39,8 @@ class Parser(argparse.ArgumentParser):
         name, _, why = message.removeprefix("argument ").partition(": ")
         whole = r"\1 is not allowed; give a whole number"
         why = re.sub("invalid int value: (.*)", whole, why)
+        why = re.sub("expected .*argument", "needs a value after it", why)
+        why = why.replace("ignored explicit argument", "takes no value, but was given")
         raise UsageError.at(name, ValueError(why), self.epilog or f"see {self.prog} -h")
 
     def parse_known_args(  # type: ignore[override]

@@ -151,17 +151,16 @@ def check(options: argparse.Namespace) -> None:
     with cli.working(options, "finding the strokes"):
         costs = _costs(subject, found) if found.controllable else ()
     theory = [cost.direction for cost in costs if cost.in_theory_only]
-    facts = asdict(found) | {
+    facts = {
+        "system": options.system,
+        **asdict(found),
         "controllable": found.controllable and not theory,
         "in_theory_only": theory,
         "strokes": {cost.direction: asdict(cost) for cost in costs},
         "static_stability": subject.static_stability,
         "description": subject.description,
     }
-    facts = {"system": options.system, **facts}
-    names = [str(symbol) for symbol in system.state]
-    text = render("check.txt", names=names, is_robot=bool(subject.strokes), **facts)
-    cli.report(options, facts, text)
+    cli.report(options, facts, render("check.txt", subject=subject, **facts))
 
 
 @dataclass(frozen=True)

@@ -85,8 +85,7 @@ def require_gait(scenario: Scenario, robot: Robot, described: Equations) -> None
     try:
         walk = Gait(described.system, scenario.gait)
     except StratumError as error:
-        remedy = f"give an order of this robot's strata, such as {own}"
-        raise UsageError(str(error), written, remedy) from error
+        raise UsageError.at(written, error, f"write one such as {own}") from error
     missing = [s for s in described.system.strata if s not in walk.strata]
     if missing:
         what = f"{robot.name} cannot walk without S{missing[0]}"

@@ -11,6 +11,7 @@ import numpy as np
 from sim.evaluation.quantities import (
     ACHIEVED,
     GOAL,
+    NONE,
     OF_ROWS,
     OF_WALKS,
     POSITION,
@@ -21,6 +22,7 @@ from sim.progress import Progress, silent, stage
 from sim.reports.maps import best_of, overlaid
 from sim.reports.tables import MM, Table, contributions, flat, kinds_of, sentences
 from sim.runs.run import Run
+from sim.scenarios.file import toml_value
 from sim.scenarios.predictions import IDEAL, PREDICTIONS
 from sim.templates import render
 
@@ -42,9 +44,9 @@ class Comparison:
 
 def compare(runs: Sequence[Run]) -> Comparison:
     """Compare the runs of several folders."""
-    settings = [dict(flat(run.settings)) for run in runs]
+    settings = [{k: toml_value(v) for k, v in flat(run.settings)} for run in runs]
     keys = (k for k in dict.fromkeys(chain(*settings)) if k not in IGNORED)
-    rows = [(k, *(str(s.get(k, "not set")) for s in settings)) for k in keys]
+    rows = [(k, *(s.get(k, "not set") for s in settings)) for k in keys]
     differing = [row for row in rows if len(set(row[1:])) > 1]
     same = [row[:2] for row in rows if row not in differing]
     return Comparison(
@@ -101,7 +103,7 @@ def _drift(runs: Sequence[Run], prediction: str = "") -> Table:
 
     They count along the way off the ideal one, so that they add up.
     """
-    columns: list[dict[str, str]] = []
+    parts: list[dict[str, str]] = []
     for run in runs:
         found = contributions(run)
         ideal, own = (found.get(k, {}) for k in (IDEAL.key, prediction or run.best))
@@ -109,9 +111,8 @@ def _drift(runs: Sequence[Run], prediction: str = "") -> Table:
         along = away / (float(np.hypot(*away)) or 1.0)
         added = {label: MM * float(part[:2] @ along) for label, part in own.items()}
         sums = ((name, sum(map(added.__getitem__, of))) for name, of in kinds_of(own))
-        columns.append({name: number(length, 2) for name, length in sums})
+        parts.append({name: number(length, 2) for name, length in sums})
     what = "the ideal prediction" if prediction else best_of(runs)
-    return Table(
-        (f"off {what}, by phase [mm]", *names(runs)),
-        [(n, *(c.get(n, "") for c in columns)) for n in dict.fromkeys(chain(*columns))],
-    )
+    kinds = dict.fromkeys(chain(*parts))
+    rows = [(k, *(p.get(k, NONE if p else "replanned") for p in parts)) for k in kinds]
+    return Table((f"off {what}, by phase [mm]", *names(runs)), rows)

@@ -33,6 +33,8 @@ def facts(stratawalk):
         ("plan line --goal y=0.2", "write --set 'path.goal=[0, 0.2, 0]'"),
         ("show latest", "no run here: runs; walk one: stratawalk run line"),
         ("run line --segments four", "'four' is not allowed: --segments; give a whole"),
+        ("run line --segments", "needs a value after it: --segments; for exam"),
+        ("run line --json=3", "takes no value, but was given '3': --json; for example"),
         ("bench --fast", "there are --help, --sweeps, --peers"),
         ("film --from soon", "soon is not a time: --from; give a number such as 5"),
         ("run line --set dead_band=0.5deg", "a list of numbers from 0 to 0.2 [rad]"),
@@ -52,6 +54,14 @@ def test_strata_may_be_written_as_they_are_printed(facts):
         for s in ("", "S")
     )
     assert plain == printed
+
+
+def test_a_stratum_that_a_gait_leaves_out_is_named(stratawalk):
+    _, out, _ = stratawalk("check", "hexapod", "--gait", "12", "1", "12")
+    assert "verdict     controllable" in out
+    assert "left out    S2, which the strokes below use" in out
+    _, out, _ = stratawalk("check", "hexapod")
+    assert "left out" not in out
 
 
 def test_plans_take_strata_as_they_are_printed(facts):

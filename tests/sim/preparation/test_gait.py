@@ -20,9 +20,15 @@ CRAWL = ["1234", "123", "1234", "124", "1234", "134", "1234", "234", "1234"]
 @pytest.mark.parametrize(
     ("changes", "what"),
     [
-        ({"gait": ["12", "7", "12"]}, "stratum '7' .* is unknown; there are 12, 1, 2"),
+        (
+            {"gait": ["12", "7", "12"]},
+            "'7' .* is unknown: gait = .*; there are 12, 1, 2",
+        ),
         ({"gait": ["12", "1", "2", "12"]}, "S1.*S2"),
-        ({"gait": ["12", "1"]}, "does not close"),
+        (
+            {"gait": ["12", "1"]},
+            r"S12 -> S1 does not close.*\['12', '1'\]; end it in S12",
+        ),
         ({"gait": ["12", "1", "12"]}, "hexapod cannot walk without S2"),
         ({"gait": ["1", "12", "2", "12", "1"]}, "starts on S1, .* begin with S12"),
         ({"gait": []}, "gait"),

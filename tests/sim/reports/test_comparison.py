@@ -76,6 +76,21 @@ def test_it_says_what_each_kind_of_phase_adds_to_the_drift(runs, capsys):
     assert left["all together"] != whole
 
 
+def test_a_walk_without_numbers_by_phase_says_why(runs, tmp_path, capsys):
+    again = shutil.copytree(runs[0], tmp_path / "again")
+    said = (again / "scenario.toml").read_text()
+    assert "replan = false" in said
+    planned_again = said.replace("replan = false", "replan = true")
+    (again / "scenario.toml").write_text(planned_again)
+    summary = json.loads((again / "summary.json").read_text())
+    (again / "summary.json").write_text(json.dumps(summary | {"error_sources": None}))
+    assert main(["compare", str(runs[0]), str(again), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert [row["replan"] for row in found["settings"]] == ["false", "true"]
+    for table in (found["drift"], found["left"]):
+        assert {*table[1].values()} == {"again", "replanned"}
+
+
 def test_tables_have_their_numbers_one_below_the_other(runs, capsys):
     assert main(["compare", *map(str, runs)]) == 0
     blocks = capsys.readouterr().out.rstrip().split("\n\n")
@@ -95,7 +110,7 @@ def test_a_run_sends_nothing_to_the_terminal_that_it_would_obey(
         file.write('"\\u009b2J" = "\\u001b]0;title\\u0007"\n' + text)
     assert main(["compare", str(walked), str(odd)]) == 0
     said = capsys.readouterr().out
-    assert r"\x1b]0;title\x07" in said
+    assert r"\u001b]0;title\u0007" in said  # as its file has it
     assert r"\x9b2J" in said
     assert all(c.isprintable() or c == "\n" for c in said)
 
