@@ -9,7 +9,7 @@ from os.path import lexists
 from pathlib import Path
 
 from models.checks import check_parts, check_posture
-from models.description.card_file import parse_card, read_text
+from models.description.card_file import card_text, parse_card
 from models.description.compiled import read_spec
 from models.description.inspection import Opened, inspect_model
 from models.description.robot import EMBEDDED, FOLDER, Robot
@@ -125,9 +125,9 @@ def _card(path: Path, beside: Path) -> tuple[str, str]:
     if inside:
         return inside[0], f"custom text {EMBEDDED!r} in {path}"
     if lexists(beside):
-        return read_text(beside), str(beside)
+        return card_text(beside), str(beside)
     if spec.modelname in shipped_robots():
         shipped = FOLDER / f"{spec.modelname}.toml"
-        return read_text(shipped), str(shipped)
+        return card_text(shipped), str(shipped)
     remedy = f"draft one: stratawalk adopt {path}"
     raise ModelError(f"no robot card: {beside} is missing; {remedy}")

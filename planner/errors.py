@@ -34,7 +34,7 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     if near and len(known) > MANY:
         return f"did you mean {near[0]!r}?"
     question = f"did you mean {near[0]!r}? " if near else ""
-    are, listed = "is" if len(known) == 1 else "are", ", ".join(known) or "none"
+    are, listed = "is only" if len(known) == 1 else "are", ", ".join(known) or "none"
     return f"{question}there {are} {listed}"
 
 

@@ -147,9 +147,8 @@ def run_folder(folder: Path, rng: random.Random) -> list[str]:
     shutil.copytree(_made(RUN), folder / "mine")
     path = folder / "mine" / rng.choice(FILES)
     if path.suffix == ".npz":
-        content = path.read_bytes()
         change = _arrays if rng.random() < 0.7 else flipped
-        path.write_bytes(change(content, rng))
+        path.write_bytes(change(path.read_bytes(), rng))
     else:
         change = _json if path.suffix == ".json" else mutated
         write(path, change(path.read_text(), rng))

@@ -93,8 +93,8 @@ def draft_card(source: Source) -> Draft:
         pose.turn(angles)
         limbs = find_limbs(pose, name)
         guesses.append(
-            f"{len(angles)} swing joints, such as {min(angles)!r}, are drawn at or "
-            "beyond an end of their ranges: they start in the middle"
+            f"swing joints, {min(angles)!r} and {len(angles) - 1} more, are drawn at "
+            "or beyond an end of their ranges: they start in the middle"
         )
     if not stands(pose, limbs):
         angles |= standing_angles(pose, limbs, name)

@@ -19,7 +19,7 @@ from models.description.card import (
 from models.description.servos import BOARD_CLOCK, NUMBERS, JointServo
 from models.description.table import Table, parse_toml
 from models.errors import ModelError
-from planner.support import read_file
+from planner.support import read_text
 
 KEYS = {
     "description": (),
@@ -38,14 +38,13 @@ KEYS = {
 JOINT_SERVO_KEYS = tuple(item.name for item in fields(JointServo))
 
 
-def read_text(path: Path) -> str:
+def card_text(path: Path) -> str:
     """Text of a card's file."""
     try:
-        return read_file(path).decode()
-    except UnicodeDecodeError as error:
-        raise ModelError(f"bad robot card: {path}; not text, {error}") from error
-    except OSError as error:
-        raise ModelError(f"bad robot card: {path}; {error.strerror}") from error
+        return read_text(path)
+    except (ValueError, OSError) as error:
+        why = getattr(error, "strerror", error)
+        raise ModelError(f"bad robot card: {path}; {why}") from error
 
 
 def parse_card(text: str, source: str) -> Card:

@@ -180,9 +180,9 @@ def _elements(
         ]
     if len(names) != 2:
         raise ModelError(
-            f"the gait {' '.join(robot.card.gait)} has {len(names)} loaded swings to "
-            f"steer with, where two are needed: {robot.path}; let two groups stand "
-            "alone in turn, such as 12 1 12 2 12, or give two patterns"
+            "steering needs two swings of standing legs, and the gait "
+            f"{' '.join(robot.card.gait)} has {len(names)}: {robot.path}; let two "
+            "groups stand alone in turn, such as 12 1 12 2 12, or give two patterns"
         )
     lifted: dict[Direction, str] = {}
     for swing in swings:

@@ -24,7 +24,7 @@ from models.systems.problem import Problem, Words
 from planner import PlannerError, StratifiedSystem
 from planner.execution import StanceRule
 from planner.planning import FlatOutputs
-from planner.support import read_file, unknown
+from planner.support import read_file, read_text, unknown
 from planner.systems import RESERVED, read_formula
 
 FOLDER = Path(__file__).parent  # with the shipped systems that are files
@@ -145,11 +145,10 @@ def load_system(
         ('drive', 'turn', '[drive,turn]')
     """
     path = Path(path)
-    source = read_file(path)
     try:
         if path.suffix == ".py":
             return _run(path, values or {})
-        return _decode(path.stem, parse_toml(source.decode()), values or {})
+        return _decode(path.stem, parse_toml(read_text(path)), values or {})
     except (ValueError, PlannerError) as error:
         raise ProblemError(f"bad system: {path}; {error}") from error
 
@@ -157,6 +156,7 @@ def load_system(
 def _run(path: Path, values: Mapping[str, object]) -> Problem:
     if values:
         raise ValueError("a Python file has no parameters to set; change them in it")
+    read_file(path)  # which refuses what has no end
     try:
         problem = runpy.run_path(str(path)).get("problem")
     except KeyboardInterrupt:

@@ -14,6 +14,7 @@ from planner.errors import (
 from planner.support.files import (
     open_file as open_file,
     read_file as read_file,
+    read_text as read_text,
     remove_unfinished as remove_unfinished,
     require_space as require_space,
     whole_file as whole_file,

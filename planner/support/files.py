@@ -88,6 +88,14 @@ def read_file(path: Path | str, largest: int = LARGEST_TEXT) -> bytes:
     return content
 
 
+def read_text(path: Path | str, largest: int = LARGEST_TEXT) -> str:
+    """Such a file's text, without a mark of UTF-8 before it; ValueError for others."""
+    try:
+        return read_file(path, largest).decode("utf-8-sig")  # spreadsheets mark it
+    except UnicodeDecodeError as error:
+        raise ValueError(f"byte {error.start + 1} is no text in UTF-8") from None
+
+
 def _flush(path: Path) -> None:
     """Wait until a file, or the entries of a folder, are on the disk."""
     handle = os.open(path, os.O_RDONLY)

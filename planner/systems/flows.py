@@ -203,8 +203,7 @@ class Gait:
         if not self.strata:
             raise StratumError("a gait visits at least one stratum, got none (eq. 11)")
         for name in self.strata:
-            what = f"stratum {name!r} of gait {self}"
-            require_known(what, name, known, StratumError)
+            require_known(f"stratum {name!r} of gait {self}", name, known, StratumError)
         if self.strata[0] != self.strata[-1]:
             raise StratumError(
                 f"gait {self} does not close: it starts in S{self.strata[0]} and "

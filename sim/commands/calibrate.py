@@ -20,7 +20,7 @@ from models.description import (
     board_rate,
     parse_toml,
 )
-from planner.support import read_file
+from planner.support import read_text
 from sim.commands import options as cli
 from sim.commands.declared import real, whole as counted
 from sim.endings import again, keeping, way_on
@@ -211,8 +211,8 @@ class _Asker:
         self._answer: Callable[[str], str] = input
         if file:
             try:
-                lines = iter(read_file(file).decode().splitlines())
-            except (OSError, UnicodeDecodeError) as error:
+                lines = iter(read_text(file).splitlines())
+            except (OSError, ValueError) as error:
                 remedy = "give a file of answers, a line each"
                 raise UsageError.at(file, error, remedy) from error
             self._answer = lambda _: next(lines)

@@ -69,12 +69,12 @@ def is_system(source: str, others: Collection[str], kind: str = "scenario") -> b
     """Whether a word means a system and none of the shipped things of another kind."""
     from models import SYSTEMS
     from models.description import parse_toml
-    from planner.support import did_you_mean, read_file
+    from planner.support import did_you_mean, read_text
 
     path = Path(source)
     if path.suffix == ".toml" and kind == "scenario":
         with suppress(OSError, ValueError):
-            return "strata" in parse_toml(read_file(path).decode())
+            return "strata" in parse_toml(read_text(path))
         return False
     if path.suffix or len(path.parts) > 1 or source in others:
         return path.suffix in SUFFIXES

@@ -21,7 +21,7 @@ import yaml
 from models import JointServo, Kinematics, Robot, load
 from models.description import actuator_of
 from planner import Array
-from planner.support import read_file
+from planner.support import read_text
 from sim.errors import UsageError
 from sim.evaluation.deviations import Scale, departure, off
 from sim.evaluation.summary import Played
@@ -192,7 +192,7 @@ def write(
 
 def read(path: Path, form: str, table: ServoTable) -> ServoCommands:
     """Read what `write` wrote; another file is a ValueError."""
-    text = read_file(path, LARGEST).decode()
+    text = read_text(path, LARGEST)
     if form in ("csv", "dynamixel"):
         return read_table(text, None if form == "csv" else table)
     return read_trajectory(text) if form == "ros2" else read_header(text, table)

@@ -86,7 +86,7 @@ def measured(log: Log, time: Array, predicted: Array) -> Measured | None:
         return Measured(lean=lean) if other else None
     done: list[str] = []
     if missing := np.count_nonzero(~np.isfinite(log.pose[:, 0])):
-        done.append(f"{missing} rows without a pose are interpolated")
+        done.append(f"poses are interpolated in rows that have none, {missing} in all")
     pose = _finite(time, log.time, log.pose)
     if not np.isfinite(pose[:, 2]).all():
         pose[:, 2] = predicted[:, 2]

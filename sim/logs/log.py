@@ -67,7 +67,7 @@ class Log:
     def __post_init__(self) -> None:
         rows, width = len(self.time), len(self.joints)
         if rows < 2:
-            raise ValueError(f"{rows} rows; give two at least")
+            raise ValueError("fewer than two rows; give two at least")
         if self.commanded.shape != (rows, width):
             raise ValueError(f"commands {self.commanded.shape} for {(rows, width)}")
         if not np.isfinite(self.commanded).all():
@@ -166,7 +166,7 @@ def _table(path: Path) -> dict[str, Array]:
             raise ValueError(f"more than {MOST_NUMBERS} numbers; give a part of it")
         cells.append([_number(*cell, number) for cell in zip(names, row, strict=True)])
     if len(cells) < 2:
-        raise ValueError(f"{len(cells)} rows of numbers; give two at least")
+        raise ValueError("fewer than two rows of numbers; give two at least")
     return dict(zip(names, np.array(cells).T, strict=True))
 
 
@@ -254,7 +254,7 @@ def _said_of_clock(time: Array) -> Iterator[str]:
     regular = steps[~gaps]
     if len(regular) and regular.std() > JITTER * usual:
         yield (
-            f"the clock jitters by {1e3 * regular.std():.2g} ms around "
+            f"times between rows vary by {1e3 * regular.std():.2g} ms around "
             f"{1e3 * usual:.3g} ms; each row keeps its own time"
         )
 
@@ -269,7 +269,7 @@ def _bridged(time: Array, angle: Array, joint: str, done: list[str]) -> Array:
     rows = np.flatnonzero(there)
     longest = np.diff(time[rows])[np.diff(rows) > 1].max(initial=0.0)
     done.append(
-        f"{joint}: {(~there).sum()} empty cells bridged, {longest:.3g} s at most"
+        f"{joint}: empty cells bridged, {(~there).sum()}; {longest:.3g} s at most"
     )
     return np.interp(time, time[there], angle[there])
 

@@ -64,8 +64,7 @@ def inspected(scenario: Scenario, robot: Robot) -> Facts:
     if described is not None:
         found = mobility_of(robot, described)
         lacks += immobile(robot, found)
-    stands = scenario, kinematics, angle, world
-    return _facts(*stands, described, found, changed, lacks)
+    return _facts(scenario, kinematics, angle, world, described, found, changed, lacks)
 
 
 def _servos(scenario: Scenario, kinematics: Kinematics, world: World) -> Facts:

@@ -241,9 +241,8 @@ def prepare(
     """
     shared = shared or Shared()
     if robot is None or robot.geometry != (scenario.geometry or {}):
-        name = scenario.robot, str(scenario.geometry)
         read = partial(load, scenario.robot, geometry=scenario.geometry)
-        robot = shared.cached("robot", name, read)
+        robot = shared.cached("robot", (scenario.robot, str(scenario.geometry)), read)
     scenario = with_own_band(drawn(scenario, robot), robot.card)
     key, made = scenario.key("equations"), partial(_mathematics, robot, scenario)
     described, extended, kinematics = shared.cached("mathematics", key, made)

@@ -110,7 +110,7 @@ def _drift(runs: Sequence[Run], prediction: str = "") -> Table:
         away = sum(ideal.values(), np.zeros(3))[:2]
         along = away / (float(np.hypot(*away)) or 1.0)
         added = {label: MM * float(part[:2] @ along) for label, part in own.items()}
-        sums = ((name, sum(map(added.__getitem__, of))) for name, of in kinds_of(own))
+        sums = ((name, sum(added[k] for k in of)) for name, of in kinds_of(own))
         parts.append({name: number(length, 2) for name, length in sums})
     what = "the ideal prediction" if prediction else best_of(runs)
     kinds = dict.fromkeys(chain(*parts))

@@ -27,7 +27,7 @@ from models.description import (
     read_spec,
 )
 from planner import Array
-from planner.support import open_file, read_file
+from planner.support import open_file, read_file, read_text
 from sim.errors import UsageError
 from sim.evaluation import flows
 from sim.evaluation.flows import WalkedPhase
@@ -265,13 +265,13 @@ def read_run(folder: Path, *, inspected: bool = False) -> Run:
             open_file(folder / name).close()
         run = Run(
             folder=folder.resolve(),
-            settings=parse_toml(read_file(folder / "scenario.toml").decode()),
-            card_text=read_file(folder / "model.toml").decode(),
+            settings=parse_toml(read_text(folder / "scenario.toml")),
+            card_text=read_text(folder / "model.toml"),
             summary=Summary.read(_finite(read_file(folder / "summary.json"))),
-            phases=flows.read(read_file(folder / "flows.csv").decode()),
+            phases=flows.read(read_text(folder / "flows.csv")),
             arrays=archive(folder, "trajectory.npz", (START,), not inspected),
             commands=archive(folder, "commands.npz", (), not inspected),
-            stops=read_stops(read_file(stops).decode()) if stops.exists() else (),
+            stops=read_stops(read_text(stops)) if stops.exists() else (),
             inspected=inspected,
         )
         _ = run.card, run.nominal, run.obstacles  # which say in time what is wrong

@@ -18,7 +18,7 @@ import numpy as np
 
 import planner.planning
 from planner import Array, Path
-from planner.support import read_file
+from planner.support import read_text
 from sim.errors import UsageError
 from sim.scenarios.declaration import (
     LEAST,
@@ -169,19 +169,15 @@ def _read_poses(file: object) -> list[tuple[float, ...]]:
     if not isinstance(file, str):
         raise refusal(file, "the name of a CSV file", WHERE, "path.file")
     try:
-        content = read_file(FilePath(file), MOST_BYTES)
-        return _poses_in(content.decode("utf-8-sig"))  # spreadsheets mark it
+        return _poses_in(read_text(FilePath(file), MOST_BYTES))
     except OSError as error:
         what = f"cannot be read, {error.strerror}"
         raise UsageError(what, file, "give a CSV file that exists") from error
     except csv.Error as error:
         remedy = "give a line of three numbers a pose"
         raise UsageError(f"no table, {error}", file, remedy) from error
-    except UnicodeDecodeError as error:
-        what = "is no text in UTF-8"
-        raise UsageError(what, file, "save the table as such") from error
     except ValueError as error:
-        raise UsageError.at(file, error) from error
+        raise UsageError.at(file, error, "save the table in UTF-8") from error
 
 
 def _poses(key: str, value: object) -> tuple[Pose, ...]:

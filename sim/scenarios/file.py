@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from models.description import parse_toml, toml_key, toml_text
-from planner.support import did_you_mean, read_file
+from planner.support import did_you_mean, read_text
 from sim.errors import UsageError
 from sim.scenarios import body_path as nominal, obstacles as shapes
 from sim.scenarios.body_path import START
@@ -199,7 +199,7 @@ def find(source: str, folder: Path, what: str, where: str, otherwise: str) -> Pa
 def read_toml(path: Path) -> Values:
     """A TOML file as a table."""
     try:
-        return parse_toml(read_file(path).decode())
+        return parse_toml(read_text(path))
     except ValueError as error:
         raise UsageError(f"not TOML, {error}", str(path), "correct the file") from error
     except OSError as error:

@@ -19,5 +19,5 @@ def test_remedy_names_the_nearest_if_it_is_near_and_all_of_them(name, known, rem
 
 
 def test_unknown_names_are_called_so_with_the_remedy():
-    message = "is unknown; did you mean 'line'? there is line"
+    message = "is unknown; did you mean 'line'? there is only line"
     assert unknown("lien", ["line"]) == message

@@ -144,7 +144,7 @@ GAITS = {
     ),
     "the gait lifts one group only": (
         ['"12", "2", "12"]', '"12"]'],
-        "gait 12 1 12 has 1 loaded swings to steer with, where two are needed",
+        "steering needs two swings of standing legs, and the gait 12 1 12 has 1",
     ),
 }  # fmt: skip
 GROUNDS = {

@@ -212,7 +212,7 @@ def test_python_file_may_have_fields_known_as_functions(read):
             "segments must be a whole number",
         ),
         (("segments = 4", "gait = ['0', '1']"), "stratum '1' of gait .* is unknown"),
-        (("segments = 4", "bottom = '1'"), "bottom '1' is unknown; there are 0"),
+        (("segments = 4", "bottom = '1'"), "bottom '1' is unknown; there is only 0"),
         (("segments = 4", "limits = { x = 1 }"), "limits.x must be a list of numbers"),
         (
             ("segments = 4", "level_sets = { 0 = 'x' }"),

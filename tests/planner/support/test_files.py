@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from planner.support.files import read_file, require_space, whole_file
+from planner.support.files import read_file, read_text, require_space, whole_file
 
 
 def names(folder):
@@ -100,3 +100,12 @@ def test_what_is_no_file_is_not_waited_for(tmp_path, name):
     with pytest.raises(OSError, match="not a|not the|directory|No such") as refused:
         read_file(tmp_path / name)
     assert refused.value.filename == str(tmp_path / name)
+
+
+def test_a_text_is_read_without_its_mark_and_only_in_utf_8(tmp_path):
+    path = tmp_path / "scenario.toml"
+    path.write_bytes("\ufeffname = 'é'".encode())
+    assert read_text(path) == "name = 'é'"
+    path.write_bytes(b"name = '\xe9'")
+    with pytest.raises(ValueError, match="byte 9 is no text in UTF-8"):
+        read_text(path)

@@ -82,6 +82,7 @@ def test_unusable_robot_file_is_a_bad_model(stratawalk, tmp_path, text):
     done = stratawalk("run", "line", "--robot", "mine.xml")
     assert done.returncode == 3
     assert re.search(r"mine\.(xml|toml)", refusal(done))
+    assert "XML_ERROR" not in refusal(done)
 
 
 def test_json_gives_an_error_as_an_object_too(stratawalk):

@@ -100,6 +100,14 @@ def test_saturated_segments_are_told_when_there_are_any(summary):
     assert row(summary, "saturated")[0] == "7"
 
 
+def test_one_of_a_kind_is_not_told_as_several(summary):
+    summary |= {"bounces": 1, "saturated_segments": 1, "self_contacts": 1}
+    said = describe(summary)
+    assert "1 bounce," in said
+    assert "1 segment scaled" in said
+    assert "each other 1 time," in said
+
+
 def test_lines_fit_a_terminal_of_a_hundred_columns(summary):
     summary["achieved"]["slip"] = 99.0
     for stance in ("centred", "paper"):

@@ -50,7 +50,7 @@ def test_gaps_are_bridged_and_a_yaw_that_nobody_measured_is_the_predictions():
     seen = measured(log(holes), TIME, WAY)
     np.testing.assert_allclose(seen.pose, WAY, atol=2e-4)
     assert seen.done == (
-        "3 rows without a pose are interpolated",
+        "poses are interpolated in rows that have none, 3 in all",
         "no yaw was measured; that of the prediction is taken",
     )
 

@@ -52,7 +52,7 @@ def test_servo_that_the_card_lacks_is_proposed_and_the_robot_stands_with_it(
 def test_gait_that_steers_nothing_is_explained(shown, tmp_path):
     text, facts = shown(radial.write(tmp_path, gait='["12", "1", "12"]'))
     assert facts["fields"] == {}
-    assert "two are needed" in text
+    assert "steering needs two swings of standing legs" in text
     assert facts["margins"]["1"] > 0
 
 
