@@ -33,6 +33,7 @@ FULL = 0.01  # of all steps in which a servo may give all it has
 LIGHT = 0.2  # of a motor's inertia; joints with less chatter
 BENT = 0.03  # [rad] on average, by which a servo lags behind its command
 RATTLED = 5  # bounces a touchdown; zeros and backlash of a few degrees make up to 3
+HARMLESS = 2  # bounces, of which nothing is said where a walk arrived
 SAID = tomllib.loads((files("sim.evaluation") / "causes.toml").read_text("utf-8"))
 
 
@@ -73,7 +74,7 @@ def likely_cause(word: str, evidence: Evidence) -> str:
     return next(filter(None, (find(evidence) for find in FINDERS[word])), "")
 
 
-def say(cause: str, kind: str = "", **facts: object) -> str:
+def say(cause: str, kind: str = "", /, **facts: object) -> str:
     """A sentence about a cause, of a kind if there are several."""
     sentence: str = SAID[cause][kind] if kind else SAID[cause]
     return sentence.format(**facts)
@@ -102,10 +103,9 @@ def _on_paper(evidence: Evidence) -> str:
 
 
 def _scaled_down(evidence: Evidence) -> str:
-    if not (count := evidence.walk.saturated_segments):
-        return ""
-    segments = evidence.walk.setup.scenario.segments
-    return say("scaled_down", count=count, segments=segments, twice=2 * segments)
+    count, whole = evidence.walk.saturated_segments, evidence.walk.setup.scenario
+    told = {"count": count, "segments": whole.segments, "twice": 2 * whole.segments}
+    return say("scaled_down", **told) if count else ""
 
 
 def _never_loaded(evidence: Evidence) -> str:
@@ -115,9 +115,7 @@ def _never_loaded(evidence: Evidence) -> str:
     carried = (evidence.achieved.contact[walking] & planned).sum(axis=0)
     share = carried / np.maximum(planned.sum(axis=0), 1)
     worst = int(share.argmin())
-    if share[worst] > CARRIED:
-        return ""
-    return say("never_loaded", leg=legs[worst])
+    return "" if share[worst] > CARRIED else say("never_loaded", leg=legs[worst])
 
 
 def _steep(evidence: Evidence) -> str:
@@ -158,26 +156,23 @@ def _bouncing(evidence: Evidence) -> str:
         return say("bouncing", "light", percent=100 * share, **often)
     drives = [evidence.drives[joint] for joint in joints]
     stiffness = float(setup.model.actuator_gainprm[drives, 0].max())
-    pace = f"a timestep of {1e3 * setup.limits.timestep:g} ms"
-    if setup.servo.rate:
-        pace = f"{setup.servo.rate:g} commands a second"
+    rate, step = setup.servo.rate, 1e3 * setup.limits.timestep
+    pace = f"{rate:g} commands a second" if rate else f"a timestep of {step:g} ms"
     return say("bouncing", "stiff", stiffness=stiffness, pace=pace, **often)
 
 
 def _soft(evidence: Evidence) -> str:
     """Servos that bend under their loads."""
-    model, moments = evidence.walk.setup.model, evidence.walk.recording.moments
-    walking, names = evidence.walking, list(evidence.drives)
-    drives = [evidence.drives[joint] for joint in names]
-    places = [int(model.joint(joint).qposadr[0]) for joint in names]
+    model, walking = evidence.walk.setup.model, evidence.walking
+    moments, drives = evidence.walk.recording.moments, list(evidence.drives.values())
+    places = [int(model.joint(joint).qposadr[0]) for joint in evidence.drives]
     ctrl = np.concatenate(list(evidence.walk.commands()))[moments.step[walking] - 1]
-    off: Array = np.abs(ctrl[:, drives] - moments.qpos[walking][:, places])
-    bent = off.mean(axis=0)
+    bent = np.abs(ctrl[:, drives] - moments.qpos[walking][:, places]).mean(axis=0)
     worst = int(np.argmax(bent))
     if bent[worst] <= BENT:
         return ""
     stiffness = model.actuator_gainprm[drives[worst], 0]
-    joint, mean = names[worst], 1e3 * bent[worst]
+    joint, mean = list(evidence.drives)[worst], 1e3 * bent[worst]
     kind = "led" if Drive(evidence.walk.setup).feeds_forward else "left"
     return say("soft", kind, joint=joint, stiffness=stiffness, bent=mean)
 
@@ -193,24 +188,29 @@ def _coarse(evidence: Evidence) -> str:
     return "" if counts.fine else say("counts", millimetres=1e3 * rise, **told)
 
 
+def _bounced(evidence: Evidence) -> str:
+    """Bounces on coarse counts, of a robot that is as planned and arrived."""
+    count, scenario = evidence.walk.recording.bounces, evidence.walk.setup.scenario
+    said = "" if count <= HARMLESS or scenario.is_imperfect else _coarse(evidence)
+    return said and say("bounced", count=count, said=said)
+
+
 def _hasty(evidence: Evidence) -> str:
     """Strokes that speed up faster than friction holds the feet."""
     setup, scenario = evidence.walk.setup, evidence.walk.setup.scenario
     rates = np.linalg.norm(setup.kinematics.standing.rates, axis=-1)
     speeds_up = scenario.swing_acceleration * float(rates.max())
     held = scenario.friction * float(np.linalg.norm(setup.model.opt.gravity))
-    if speeds_up <= USED_UP * held:
-        return ""
-    return say("hasty", speeds_up=speeds_up, held=held)
+    told = {"speeds_up": speeds_up, "held": held}
+    return say("hasty", **told) if speeds_up > USED_UP * held else ""
 
 
 def _unknown(evidence: Evidence) -> str:
     """Settings that the prediction, and with it the plan, knows nothing of."""
     scenario, judge = evidence.walk.setup.scenario, evidence.weighed.prediction
-    if not (names := PREDICTIONS[judge].ignored(scenario)):
-        return ""
+    names = PREDICTIONS[judge].ignored(scenario)
     tried = scenario.replan or scenario.correct > 1 or scenario.motion is not None
-    return say("still_unknown" if tried else "unknown", names=names)
+    return names and say("still_unknown" if tried else "unknown", names=names)
 
 
 def _source(evidence: Evidence) -> str:
@@ -236,5 +236,6 @@ FINDERS: Mapping[str, tuple[Finder, ...]] = {
     "missed": (_steep, _on_paper, _scaled_down, *SPOILING, *EXPLAINING),
     "drifted": (*SPOILING, *EXPLAINING),
     "slipped": (*SPOILING, *EXPLAINING),
+    "arrived": (_bounced,),
 }
 """Where to look for causes, by what became of the walk."""

@@ -58,10 +58,9 @@ def judge(evidence: Evidence, judged: Array) -> Verdict:
         or _slipped(walk, best, weighed)
         or ("arrived", "")
     )
-    if word == "arrived":
-        return Verdict(word, f"arrived {ended}")
-    cause = likely_cause(word, evidence)
-    return Verdict(word, f"{how}; it ended {ended}{cause and f'; {cause}'}")
+    if cause := likely_cause(word, evidence):
+        ended += f"; {cause}"
+    return Verdict(word, f"{how}; it ended {ended}" if how else f"arrived {ended}")
 
 
 def _by_the_nearest(evidence: Evidence, judged: Array) -> Evidence:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from sim.evaluation.causes import Evidence, likely_cause
+from sim.evaluation.verdict import judge
 from sim.scenarios.file import load_scenario
 from tests.walks import simulated
 
@@ -110,6 +111,19 @@ def test_counts_that_cannot_follow_loads_are_named_where_they_are_coarse(evidenc
     assert "take servos with finer counts (servo)" in said
     fine = with_setup(evidence, servo=replace(servo, resolution=1e-6))
     assert "a count of" not in likely_cause("drifted", fine)
+
+
+def test_bounces_on_counts_that_cannot_follow_loads_are_told_though_it_arrived(
+    evidence,
+):
+    servo, bounced = evidence.walk.setup.servo, bouncing(evidence)
+    coarse = with_setup(bounced, servo=replace(servo, resolution=0.01))
+    said = judge(coarse, coarse.walking).text
+    assert "prediction; feet bounced 145 times: a count of 0.57 degrees raises" in said
+    twice = with_recording(coarse, bounces_of=np.array([0, 1, 0, 0, 1, 0]))
+    slack = with_settings(coarse, backlash=0.01)  # of which feet bounce as well
+    for other in (bounced, twice, slack):
+        assert "bounced" not in judge(other, other.walking).text
 
 
 def test_soft_servos_are_named(evidence):
