@@ -230,7 +230,8 @@ def test_what_is_beyond_the_tolerance_ends_with_seven(tmp_path, capsys):
 def test_tolerance_that_is_no_share_is_refused(tmp_path, capsys):
     for bad in ("-1", "nan", "many"):
         assert run("hexapod", tmp_path / "run", "--tolerance", bad) == 2
-        assert f"{bad} is not a share: --tolerance" in capsys.readouterr().err
+        said = capsys.readouterr().err
+        assert f"{bad} is not a share of the path: --tolerance" in said
 
 
 def test_walk_within_the_tolerance_given_ends_with_zero(tmp_path, capsys):
