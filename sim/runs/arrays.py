@@ -65,8 +65,7 @@ def archive(folder: Path, name: str, apart: Collection[str], check: bool) -> Arr
             falls = key.endswith("margin")  # minus infinity while no foot stands
             numbers = array[array != -np.inf] if falls else array
             if not (np.abs(numbers) < LARGEST).all():
-                what = f"{key} of {name} is not finite"
-                raise ValueError(f"{what}, or beyond {LARGEST:g}")
+                raise ValueError(f"{key} of {name} is not finite or beyond {LARGEST:g}")
         return array
 
     with open_file(folder / name) as file:
@@ -127,5 +126,8 @@ def reading(folder: Path) -> Iterator[None]:
     except UsageError:
         raise
     except UNREADABLE as error:
-        what = f"not a finished run, {' '.join(str(error).split())}"
-        raise UsageError(what, str(folder), remedy) from error
+        why: object = f"it lacks {error}" if isinstance(error, KeyError) else error
+        why = getattr(error, "strerror", None) or why
+        place = getattr(error, "filename", None) or folder
+        what = f"not a finished run, {' '.join(str(why).split())}"
+        raise UsageError(what, str(place), remedy) from error

@@ -43,7 +43,6 @@ from sim.scenarios.scenario import Scenario
 LIMITS = Limits(8, 2 * 10**9, "walk the scenario again")
 SURE = 2.146  # standard deviations of a normal point in the plane that hold 90 %
 NOMINAL_POINTS = 400  # of the nominal path as it is drawn
-FILES = ("model.xml", "model.toml")  # without which nothing can be shown
 PLACES = ("contact_point", "center_of_mass")  # arrays of points that are not poses
 START = "world_start_pose"  # array with the frame in which poses are given
 
@@ -261,8 +260,7 @@ def read_run(folder: Path, *, inspected: bool = False) -> Run:
     """
     stops = folder / "feedback.csv"
     with reading(folder):
-        for name in FILES:
-            open_file(folder / name).close()
+        open_file(folder / "model.xml").close()  # without which nothing can be shown
         run = Run(
             folder=folder.resolve(),
             settings=parse_toml(read_text(folder / "scenario.toml")),
