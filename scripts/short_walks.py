@@ -96,9 +96,7 @@ def draw(studies: Mapping[str, Sequence[Point]], path: Path) -> None:
 def main(arguments: Sequence[str] | None = None) -> None:
     """Print the plans, and draw them where asked to."""
     parser = parser_of(__doc__)
-    parser.add_argument(
-        "scenarios", nargs="*", metavar="SCENARIO", default=list(SEGMENTS)
-    )
+    parser.add_argument("scenarios", nargs="*", metavar="SCENARIO", default=[*SEGMENTS])
     parser.add_argument("--plot", type=Path, metavar="FILE.png", help="draw it as well")
     options = parser.parse_args(arguments)
     print(HEADER)

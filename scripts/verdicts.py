@@ -50,12 +50,8 @@ SIZES: dict[str, Sequence[object]] = {
 Walk = tuple[str, str, dict[str, object]]  # its name, a scenario, settings
 
 
-def walks(folder: Path, segments: int, only: str = "") -> Iterator[Walk]:
-    """Walks whose names hold a text; robots are adopted in a folder when it is time."""
-    return (walk for walk in _walks(folder, segments, only) if only in walk[0])
-
-
-def _walks(folder: Path, segments: int, only: str) -> Iterator[Walk]:
+def walks(folder: Path, segments: int, only: str) -> Iterator[Walk]:
+    """All walks; of the robots, those with a text in their names are adopted."""
     few: dict[str, object] = {"segments": segments}
     for robot in shipped_robots():
         for scenario in shipped_scenarios():
@@ -103,9 +99,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     options = parser.parse_args(arguments)
     header = "walk | verdict | ends with | off its goal | off its prediction | cause"
     with TemporaryDirectory() as folder:
-        tabulate(
-            header, map(row_of, walks(Path(folder), options.segments, options.only))
-        )
+        found = walks(Path(folder), options.segments, options.only)
+        tabulate(header, (row_of(walk) for walk in found if options.only in walk[0]))
 
 
 if __name__ == "__main__":

@@ -59,16 +59,13 @@ def _radial(circle: float, length: float, pivot: float) -> Legs:
     return legs_on_a_circle(RADIAL_BEARINGS, circle, length, pivots)
 
 
-def _mounted_turned(**numbers: float) -> Legs:
-    legs = _radial(**numbers)
-    return {number: Leg(leg.hip, leg.foot) for number, leg in legs.items()}
-
-
 LEGS: Mapping[str, Callable[..., Legs]] = {
     "hexapod": _hexapod,
     "hexapod-parallel": lambda outer_x, **ys: _square((outer_x, 0.0, -outer_x), **ys),
     "hexapod-radial": _radial,
-    "hexapod-classroom": _mounted_turned,
+    "hexapod-classroom": lambda **numbers: {
+        number: Leg(leg.hip, leg.foot) for number, leg in _radial(**numbers).items()
+    },
     "octopod": _octopod,
     "quadruped": lambda front_x, rear_x, **ys: _square((front_x, rear_x), **ys),
 }

@@ -177,10 +177,8 @@ def _solved(
 
 
 def _curl(rates: Rates, angles: tuple[sp.Symbol, sp.Symbol]) -> sp.Expr:
-    along_first, along_second = rates
-    return sp.simplify(
-        sp.diff(along_second, angles[0]) - sp.diff(along_first, angles[1])
-    )
+    along, across = rates  # the first angle, and the second
+    return sp.simplify(sp.diff(across, angles[0]) - sp.diff(along, angles[1]))
 
 
 def _potential(rates: Rates, angles: tuple[sp.Symbol, sp.Symbol]) -> sp.Expr:

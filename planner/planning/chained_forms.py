@@ -84,9 +84,7 @@ class ChainedForm:
         """The chained form itself, with the state z and the elements to steer it by."""
         z = sp.symbols(f"z1:{len(self.coordinates) + 1}")
         fields = {AHEAD: [1, 0, *z[1:-1]], TURN: [0, 1, *[0] * (len(z) - 2)]}
-        brackets = accumulate(
-            z[2:], lambda inner, _: f"[{AHEAD},{inner}]", initial=TURN
-        )
+        brackets = accumulate(z[2:], lambda b, _: f"[{AHEAD},{b}]", initial=TURN)
         bottom = self.system.bottom
         return extend(StratifiedSystem(z, {bottom: fields}, bottom), [AHEAD, *brackets])
 

@@ -262,9 +262,7 @@ def regroup_in_gait(
     for place in places_in(cycle, start):
         ordered: list[list[Flow]] = []
         for ways in segments:
-            found = [
-                (*_ordered(grouper, way.fields, cycle, place), way) for way in ways
-            ]
+            found = [(*_ordered(grouper, w.fields, cycle, place), w) for w in ways]
             place, order, way = min(found, key=itemgetter(0))
             ordered.append(grouper.flows(way, order))
         plans.append((place, ordered))

@@ -115,9 +115,7 @@ class StratifiedSystem:
     @cached_property
     def fields(self) -> dict[str, VectorField]:
         """All fields by name, in the order in which generators are numbered."""
-        return {
-            name: f for fields in self.strata.values() for name, f in fields.items()
-        }
+        return {name: f for own in self.strata.values() for name, f in own.items()}
 
     def compiled(self, name: str) -> CompiledFields:
         """A field as a numeric function, compiled at the first call."""

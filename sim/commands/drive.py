@@ -11,6 +11,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from itertools import count
+from math import hypot
 from queue import Empty, Queue
 from threading import Thread
 from typing import IO, TYPE_CHECKING
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from sim.export.served import Row, ServedWalk
 
 LONGEST, MOST = 10_000, 10_000  # characters of a line, and poses that wait to be read
+ASTRAY = 1.0  # [m], more than the path is long, that no robot can be off its plan
 REPLY = 0.02  # [s], for an answer to a command that is written out of real time
 
 
@@ -43,9 +45,15 @@ def drive(options: argparse.Namespace) -> None:
         link.send(walk, walk.stand())
         for segment in range(walk.setup.scenario.segments):
             link.send(walk, walk.walk(segment))
-            x, y, yaw = walk.seen(segment, link.reading(walk)).thought
+            stop, scenario = walk.seen(segment, link.reading(walk)), walk.setup.scenario
+            x, y, yaw = stop.thought
+            far = hypot(x - stop.expected[0], y - stop.expected[1])
+            if far > ASTRAY + scenario.path.length:
+                what = f"the robot is told to be {far:.3g} m from where it should be"
+                remedy = "give poses in metres and radians, from where it started"
+                raise UsageError(what, f"segment {segment + 1}", remedy)
             cli.notice(
-                f"segment {segment + 1} of {walk.setup.scenario.segments}: estimated "
+                f"segment {segment + 1} of {scenario.segments}: estimated "
                 f"at {x:z.4f} m, {y:z.4f} m, {yaw:z.3f} rad",
                 "driven",
             )
@@ -116,12 +124,12 @@ def _pose(line: str) -> tuple[float, list[float]]:
     from math import isfinite, nan
 
     table = json.loads(line, parse_int=float)
-    values = [table["time"], *(table.get(key, nan) for key in ("x", "y", "yaw"))]
+    values = [table.get(key, nan) for key in ("time", "x", "y", "yaw")]
     when, *pose = values = [nan if value is None else value for value in values]
     if {type(value) for value in values} != {float}:
         raise ValueError("not a number")
     if not isfinite(when) or any(abs(value) > 1e6 for value in pose):
-        raise ValueError("a number is not finite, or beyond 1e6")
+        raise ValueError("no time, or a number not finite or beyond 1e6")
     return when, pose
 
 

@@ -17,6 +17,7 @@ from sim.fitting.fitting import (
     Value,
     card_text,
     check_free,
+    check_measured,
     fit_joints,
     write_card,
 )
@@ -91,6 +92,7 @@ def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | No
         if log.measured is None and log.pose is None:
             remedy = "give columns measured.JOINT, or body.x, body.y and body.yaw"
             raise UsageError("nothing was measured", str(path), remedy)
+        check_measured(path, log)
         if log.joints != logs[0].joints:
             what = f"other joints than in {paths[0]}"
             remedy = "give the same columns, or fit each alone"

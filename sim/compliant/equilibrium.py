@@ -240,9 +240,8 @@ class _Law(Lanes):
         error = np.maximum(law.max(axis=(1, 2)), balance)
         closes = np.ones_like(force)
         closes[..., :2] = (contact.push * (way > 0))[..., None] * along
-        return _State(
-            wrong, rest, error, sticks, slides, ~on, along, bound / size, closes
-        )
+        part = bound / size
+        return _State(wrong, rest, error, sticks, slides, ~on, along, part, closes)
 
 
 def _flat(force: Array) -> Array:

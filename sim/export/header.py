@@ -44,7 +44,8 @@ def write_header(
     counts, name = table.counts(commands), identifier(name)
     numbers = [str(servo.channel) for servo in table.channels]
     listed = [f"//   {s.channel:2}  {in_comment(s.joint)}" for s in table.channels]
-    packed = pack(counts)
+    packed = pack(counts)  # as strings in C, without trigraphs
+    digits = [re.sub(r"[?\\]", r"\\\g<0>", d) for d in re.findall(LINE, packed)]
     text = render(
         "header.h",
         name=name,
@@ -61,7 +62,7 @@ def write_header(
         file=in_comment(file),
         call=CALLS[table.microseconds].format(name),
         channels=", ".join(numbers),
-        digits="\n".join(map(_literal, re.findall(LINE, packed))),
+        digits="\n".join(f'"{line}"' for line in digits),
     )
     return f"{text}\n"
 
@@ -78,12 +79,6 @@ def read_header(text: str, table: ServoTable) -> ServoCommands:
     digits = "".join(line[1:-1] for line in packed[1].splitlines())
     digits = re.sub(r"\\(.)", r"\1", digits)
     return table.commands(unpack(digits, int(sizes["JOINTS"])), float(sizes["RATE"]))
-
-
-def _literal(digits: str) -> str:
-    """Some digits as a string in C, without trigraphs."""
-    text = re.sub(r"[?\\]", r"\\\g<0>", digits)
-    return f'"{text}"'
 
 
 def pack(counts: Array) -> str:

@@ -85,6 +85,7 @@ def from_run(folder: Path, *, allow_external: bool = False) -> Source:
     """A walk from its run folder, whose robot may open files elsewhere if allowed."""
     run = read_run(folder)
     model = run.model
+    run.require_width(run.commands["ctrl"], model.nu)
     with reading(folder):
         model.key("start")
     name, geometry = run.scenario.robot, run.scenario.geometry

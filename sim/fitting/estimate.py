@@ -89,9 +89,7 @@ class Estimates:
     def said(self) -> Array:
         """Information times the values of the measurements alone, (P, K)."""
         pulled = (self.value - self.start) / self.spread**2  # by what was expected
-        return np.asarray(
-            np.einsum("pkl,pl->pk", self.information, self.value) + pulled
-        )
+        return np.einsum("pkl,pl->pk", self.information, self.value) + pulled
 
     def unseen(self, problem: int = 0) -> list[str]:
         """In words, what the measurements of a problem do not tell, or not apart."""

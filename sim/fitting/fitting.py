@@ -42,6 +42,7 @@ DAMPINGS = (-0.7, 0.0, 0.7)  # logarithms of factors that are tried
 LOOSE = ((0.0, 0.01), (0.0, 0.01))  # [rad]; dead bands and backlash that are tried
 NARROWEST = 1e-5  # [rad]; a band that all joints have, so that all are built alike
 FITTED = 0.75  # of the rows of a log; the rest checks
+FEWEST_ROWS = 20  # of a log; six parameters are fitted to each joint
 ON_CARD = "\n[fitted]\n"  # the last table of a card
 SHOWS = 2.0  # standard errors, below which backlash or delay is none
 ROUNDS = 3  # of walking on the floor, all but the first with servos as found
@@ -123,6 +124,14 @@ def _fitted_model(setup: Setup, log: Log, whole: Array) -> mujoco.MjModel:
         ),
     )
     return built(setup.robot, found)[1]
+
+
+def check_measured(path: Path, log: Log) -> None:
+    """Refuse a log that measured too little to fit servos, or nothing that checks."""
+    short = len(log.time) < FEWEST_ROWS
+    if log.measured is not None and (short or np.isnan(_rows(log, True)[1]).all()):
+        what = f"fewer than {FEWEST_ROWS} rows, or no angles to its end, which check"
+        raise UsageError(what, str(path), "leave out rows in which none was measured")
 
 
 def _rows(log: Log, kept: bool) -> tuple[Array, Array]:

@@ -204,12 +204,12 @@ def _log(
             columns[name] = np.radians(numbers)
     start, done = time - time[0], [*_said_of_clock(time)]
     asked = np.stack([_bridged(start, columns[j], j, done) for j in commanded], axis=1)
-    row, column = map(int, np.unravel_index(np.abs(asked).argmax(), asked.shape))
-    if abs(angle := asked[row, column]) > FARTHEST:
-        what = f"{commanded[column]!r} comes to {angle:.4g} rad in row {row + 1}"
-        remedy = "give --units where these are no radians, or correct it"
-        raise ValueError(f"{what}, at {start[row]:.4g} s; {remedy}")
     for name, numbers in columns.items():
+        row = int(np.nanargmax(np.abs(numbers)))
+        if name.removeprefix(MEASURED) in joints and abs(numbers[row]) > FARTHEST:
+            what = f"{name!r} comes to {numbers[row]:.4g} rad in row {row + 1}"
+            remedy = "give --units where these are no radians, or correct it"
+            raise ValueError(f"{what}, at {start[row]:.4g} s; {remedy}")
         if (np.abs(numbers) > LARGEST).any():
             raise ValueError(f"a number beyond {LARGEST:g} in column {name!r}")
         if name in contacts.values() and not {*numbers[numbers == numbers]} <= {0, 1}:

@@ -179,9 +179,7 @@ def posed(robot: Robot, log: Log) -> Robot:
     """The robot that stands in the first row's posture."""
     at = dict(zip(log.joints, log.commanded[0].tolist(), strict=True))
     legs = {
-        number: replace(
-            leg, hold={**leg.hold, **{j: at[j] for j in leg.hold if j in at}}
-        )
+        number: replace(leg, hold={j: at.get(j, held) for j, held in leg.hold.items()})
         for number, leg in robot.card.legs.items()
     }
     card = replace(robot.card, legs=legs, start={**robot.card.start, **at})

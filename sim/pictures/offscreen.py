@@ -85,8 +85,10 @@ class OffscreenRenderer:
         self._scene = mujoco.MjvScene(model, model.ngeom + SPARE_GEOMS)
         flags, flag = self._scene.flags, mujoco.mjtRndFlag
         flags[flag.mjRND_SHADOW], flags[flag.mjRND_REFLECTION] = look.shadows, False
-        # Half the time of a picture goes into the sky behind the floor.
-        flags[flag.mjRND_SKYBOX] = camera.sees_sky or not _has_endless_floor(model)
+        # Half the time of a picture goes into the sky behind an endless floor.
+        planes = model.geom_size[model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE]
+        endless = (planes[:, :2] == 0).all(axis=1).any()
+        flags[flag.mjRND_SKYBOX] = camera.sees_sky or not endless
         self._brush = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._brush)
 
@@ -235,12 +237,6 @@ def build(walk: Run, marks: Sequence[Mark], look: Look) -> mujoco.MjModel:
         model.geom_rgba[geom, :3] += PALER * (1 - model.geom_rgba[geom, :3])
         model.geom_rgba[geom, 3] *= look.body
     return model
-
-
-def _has_endless_floor(model: mujoco.MjModel) -> bool:
-    """Whether some plane of the world has no edges behind which there is sky."""
-    planes = model.geom_size[model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE]
-    return bool((planes[:, :2] == 0).all(axis=1).any())
 
 
 def mesh_name(piece: str) -> str:

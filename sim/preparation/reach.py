@@ -9,7 +9,7 @@ import numpy as np
 
 from models import Equations, Kinematics, Mobility, Robot, mobility_of
 from models.adoption import propose
-from planner import Array, Gait, Path, PlannerError, StratumError
+from planner import Gait, Path, PlannerError, StratumError
 from planner.extension import AFFORDABLE
 from planner.support import limited
 from sim.errors import SimulationError, UsageError
@@ -46,16 +46,12 @@ def require_reach(robot: Robot, described: Equations, path: Path) -> None:
     found = mobility_of(robot, described)
     if not found.lacking:
         return
-    ways = dict(zip(WAYS, _ways_along(path), strict=True))
+    poses = np.atleast_2d(path.at(np.linspace(0.0, 1.0, POSES_COUNTED)))[:, :3]
+    along = np.abs(relative(poses[:-1], poses[1:])).sum(axis=0)  # seen from the body
+    ways = dict(zip(WAYS, along, strict=True))
     costs = [(ways[c.direction], c.strokes) for c in found.costs]
     if any(way * strokes > AFFORDABLE for way, strokes in costs if way):
         raise _no_plan(robot, found)
-
-
-def _ways_along(path: Path) -> Array:
-    """How far a path leads forward, sideways and around, seen from the body, (3,)."""
-    poses = np.atleast_2d(path.at(np.linspace(0.0, 1.0, POSES_COUNTED)))[:, :3]
-    return np.abs(relative(poses[:-1], poses[1:])).sum(axis=0)
 
 
 def _no_plan(robot: Robot, found: Mobility) -> SimulationError:

@@ -32,6 +32,11 @@ HEADERS = {
     2: np.lib.format.read_array_header_2_0,
 }
 NUMBERS = "biuf"  # kinds of arrays: whether, whole and real numbers
+SINGLE = ("time", "phase", "margin", "clearance", "height", "roll", "pitch")
+OF_FEET = ("contact", "slip", "load")
+ROWS = {**dict.fromkeys(SINGLE, ()), **dict.fromkeys(OF_FEET, (0,)),
+        "point": (0, 2), "pose": (3,), "mass": (3,)}  # fmt: skip
+"""Shapes of rows by the last word of an array's name; 0 is the number of feet."""
 
 
 class Arrays(Mapping[str, Array]):
@@ -52,11 +57,14 @@ class Arrays(Mapping[str, Array]):
         return len(self._names)
 
 
-def archive(folder: Path, name: str, apart: Collection[str], check: bool) -> Arrays:
+def archive(
+    folder: Path, name: str, feet: int, apart: Collection[str], check: bool
+) -> Arrays:
     """The arrays of one of a folder's files, a row a moment but for those `apart`.
 
-    What the file declares is compared with what it holds, and with what may be read,
-    before any of it is. Arrays have finite numbers; all are read once for a `check`.
+    What the file declares is compared with what it holds, with what may be read, and
+    with what a robot with so many feet has, before any of it is read. Arrays have
+    finite numbers; all are read once for a `check`.
     """
 
     def load(key: str) -> Array:
@@ -76,6 +84,11 @@ def archive(folder: Path, name: str, apart: Collection[str], check: bool) -> Arr
     rows = {shape[:1] for key, shape in shapes.items() if key not in apart}
     if len(rows) > 1 or () in rows or (0,) in rows:
         raise ValueError(f"the arrays of {name} have different numbers of rows")
+    for key in shapes.keys() - apart:
+        row = ROWS.get(key.rpartition("_")[2], shapes[key][1:])
+        if shapes[key][1:] != (wanted := tuple(n or feet for n in row)):
+            got = f"rows of {key} of {name} have the shape {shapes[key][1:]}"
+            raise ValueError(f"{got} instead of {wanted}")
     for key in shapes if check else ():
         load(key)
     return Arrays(shapes, load)

@@ -44,6 +44,7 @@ LIMITS = Limits(8, 2 * 10**9, "walk the scenario again")
 SURE = 2.146  # standard deviations of a normal point in the plane that hold 90 %
 NOMINAL_POINTS = 400  # of the nominal path as it is drawn
 PLACES = ("contact_point", "center_of_mass")  # arrays of points that are not poses
+SAME = 1e-6  # [s] or [m]; by how far files of one walk may end apart
 START = "world_start_pose"  # array with the frame in which poses are given
 
 
@@ -261,19 +262,32 @@ def read_run(folder: Path, *, inspected: bool = False) -> Run:
     stops = folder / "feedback.csv"
     with reading(folder):
         open_file(folder / "model.xml").close()  # without which nothing can be shown
+        card = read_text(folder / "model.toml")
+        feet = len(parse_card(card, str(folder / "model.toml")).legs)
         run = Run(
             folder=folder.resolve(),
             settings=parse_toml(read_text(folder / "scenario.toml")),
-            card_text=read_text(folder / "model.toml"),
+            card_text=card,
             summary=Summary.read(_finite(read_file(folder / "summary.json"))),
             phases=flows.read(read_text(folder / "flows.csv")),
-            arrays=archive(folder, "trajectory.npz", (START,), not inspected),
-            commands=archive(folder, "commands.npz", (), not inspected),
+            arrays=archive(folder, "trajectory.npz", feet, (START,), not inspected),
+            commands=archive(folder, "commands.npz", feet, (), not inspected),
             stops=read_stops(read_text(stops)) if stops.exists() else (),
             inspected=inspected,
         )
-        _ = run.card, run.nominal, run.obstacles  # which say in time what is wrong
+        _ = run.nominal, run.obstacles  # which say in time what is wrong
+        if not inspected:
+            _require_one_walk(run)
     return run
+
+
+def _require_one_walk(run: Run) -> None:
+    """Refuse files that are of different walks, with a ValueError."""
+    clock, end = run.commands["time"], run.time[-1]
+    ends = end - clock[-1] - (clock[1:] - clock[:-1]).max(), end - run.phases[-1].end
+    off = run.achieved[-1] - run.summary.achieved.pose
+    if np.abs([*ends, *off]).max() > SAME:
+        raise ValueError("its files are of different walks")
 
 
 def _finite(text: bytes) -> dict[str, Any]:

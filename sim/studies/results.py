@@ -133,13 +133,11 @@ def read_results(path: Path, prediction: str) -> Results:
     for key in keys:
         _require(key, columns[key], "one value", bool, int, float, str, least=-MOST)
     results = Results(columns, keys, prediction, asked or {})
-    named = {
-        p.label for k, p in PREDICTIONS.items() if f"error.{k}.farthest" in columns
-    }
-    if named and results.label not in named:
+    made = {p.label for k, p in PREDICTIONS.items() if f"error.{k}.farthest" in columns}
+    if made and results.label not in made:
         what = f"the walks were not compared with the {results.label} prediction"
-        made = " or ".join(sorted(named))
-        raise UsageError(what, str(file), f"give --prediction {made}")
+        remedy = f"give --prediction {' or '.join(sorted(made))}"
+        raise UsageError(what, str(file), remedy)
     if results.walked.any():
         results.column(f"error.{prediction}.farthest")
     return results

@@ -91,10 +91,9 @@ def read_sweep(source: str) -> Sweep:
     for key in (key for key, count in times.items() if count > 1):
         raise UsageError(f"{key} is given twice", source, "keep it in one table")
     count = math.prod(len(choices) for _, choices in blocks)
-    without, kept = left_out(table.get("without", [])), _inner(table, "keep")
-    return Sweep(
-        path.stem, scenario, fixed, blocks, without, *_run_folders(kept, count)
-    )
+    keep = _run_folders(_inner(table, "keep"), count)
+    without = left_out(table.get("without", []))
+    return Sweep(path.stem, scenario, fixed, blocks, without, *keep)
 
 
 def shipped_studies() -> tuple[str, ...]:

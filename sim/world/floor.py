@@ -89,10 +89,8 @@ def _planes(
         fixed = model.body_weldid[model.geom_bodyid[geom.id]] == 0
         if geom.type == mujoco.mjtGeom.mjGEOM_PLANE and fixed:
             up = np.clip(data.geom_xmat[geom.id, 8], -1, 1)
-            kinds, takes = geom.contype, geom.conaffinity
-            apart = [
-                f.name for f in feet if not kinds & f.conaffinity | f.contype & takes
-            ]
+            own, hits = geom.contype, geom.conaffinity
+            apart = [f.name for f in feet if not own & f.conaffinity | f.contype & hits]
             height = float(data.geom_xpos[geom.id, 2])
             planes.append(_Plane(geom, height, float(np.arccos(up)), apart))
     return planes

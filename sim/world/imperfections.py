@@ -44,7 +44,9 @@ def add_imperfections(
         geom.solref = [-stiffness, damping * min(stiffness / -before, 1.0)]
     if slack := scenario.backlash:
         rigid = _mobility(spec, robot)
-        _loosen(spec, robot, slack)
+        own = {"solimp_limit": HARD, "armature": LOOSE, "damping": RUBBED}
+        for name in robot.card.joints:
+            add_loose_joint(spec.joint(name), BACKLASH, slack, **own)
         _stiffen(spec.geom(floor), _mobility(spec, robot) / rigid)
     if scenario.payload is not None and scenario.payload[0]:
         mass, *place = scenario.payload
@@ -125,13 +127,6 @@ def _set_foot_friction(
             foot.friction = (value, *floor.friction[1:])
             foot.solref, foot.solimp = floor.solref, floor.solimp
             foot.condim, foot.priority = floor.condim, floor.priority + 1
-
-
-def _loosen(spec: mujoco.MjSpec, robot: Robot, backlash: float) -> None:
-    """Behind every leg joint another one about its axis, free within the backlash."""
-    own = {"solimp_limit": HARD, "armature": LOOSE, "damping": RUBBED}
-    for name in robot.card.joints:
-        add_loose_joint(spec.joint(name), BACKLASH, backlash, **own)
 
 
 def add_loose_joint(

@@ -136,6 +136,16 @@ DAMAGES = {
         arrays(lambda kept: kept.update(qpos=kept["qpos"][:, 1:])),
         VIEWS,
     ),
+    "contacts that are tables": (
+        "trajectory.npz",
+        arrays(lambda kept: kept.update(contact=kept["contact"][:, None, None])),
+        ALL,
+    ),
+    "poses without yaw": (
+        "trajectory.npz",
+        arrays(lambda kept: kept.update(achieved_pose=kept["achieved_pose"][:, :2])),
+        ALL,
+    ),
     "words for states": (
         "trajectory.npz",
         arrays(lambda kept: kept.update(qpos=np.full(len(kept["time"]), "x"))),
@@ -253,6 +263,21 @@ def test_no_more_is_unpacked_than_may_be_read(folder, monkeypatch, save, said):
     save(folder / "trajectory.npz", **run.arrays, **more)
     with pytest.raises(UsageError, match=f"trajectory.npz .*{said}"):
         read_run(folder)
+
+
+@pytest.mark.physics
+@pytest.mark.parametrize("file", ["commands.npz", "trajectory.npz", "summary.json"])
+def test_files_of_another_walk_are_refused(folder, tmp_path, capsys, file):
+    """What is exported from them would go to the servos of a robot."""
+    other = tmp_path / "other"
+    goal = ("--set", "path.goal=[0.004,0,0]", "--segments", "1")
+    assert main(["run", "line", *goal, "--no-video", "--out", str(other)]) == 0
+    shutil.copy(other / file, folder)
+    capsys.readouterr()
+    words = ("export", str(folder), "--format", "csv", "--out", str(tmp_path / "e.csv"))
+    assert main(words) == 2
+    assert "its files are of different walks" in capsys.readouterr().err
+    assert not (tmp_path / "e.csv").exists()
 
 
 BOMB = '<worldbody><replicate count="3000000"><geom size="1"/></replicate></worldbody>'

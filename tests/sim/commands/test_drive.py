@@ -174,13 +174,27 @@ def test_what_takes_no_commands_is_named(capsys):
     assert said in capsys.readouterr().err
 
 
+@pytest.mark.physics
+def test_a_pose_far_from_where_the_robot_can_be_is_refused(tmp_path, capsys):
+    """A camera that counts millimetres, and one that names no time."""
+    poses, exact = tmp_path / "poses.jsonl", way()[:8]  # a tag's outliers are left out
+    poses.write_text(4 * '{"time": 1e5, "x": 8.0, "y": 0.0, "yaw": 0.0}\n')
+    assert main([*exact, "--poses", str(poses), "--commands", os.devnull]) == 2
+    said = capsys.readouterr().err.splitlines()[-1]
+    assert "the robot is told to be 8 m from where it should be: segment 1; " in said
+    poses.write_text('{"x": 0.004, "y": 0.0, "yaw": 0.0}\n')
+    assert main([*exact, "--poses", str(poses), "--commands", os.devnull]) == 2
+    assert "not a pose, no time, or a number" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     "line", [b'{"time": 1' + 400 * b"0" + b"}", b"\xff\xfe", b"[" * 20_000]
 )
 def test_whatever_is_sent_for_a_pose_is_refused_in_one_line(line):
     """Neither an overflow nor bytes that are no text end the thread that listens."""
     poses = Poses(io.TextIOWrapper(io.BytesIO(line + b"\n"), encoding="utf-8"))
-    with pytest.raises(UsageError, match="not a pose, (broken|a number is).*: line 1"):
+    said = "not a pose, (broken|no time, or a number).*: line 1"
+    with pytest.raises(UsageError, match=said):
         poses.next(10.0)
 
 

@@ -231,6 +231,26 @@ def test_what_cannot_be_fitted_is_refused(
     assert message in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("part", ["start", "end"])
+def test_a_log_that_measured_too_little_to_fit_or_to_check_is_refused(
+    part, tmp_path, capsys
+):
+    classroom_log(tmp_path / "log.csv")
+    head, *rows = (tmp_path / "log.csv").read_text().splitlines()
+    if part == "start":
+        rows = rows[:19]
+    else:
+        first = len(rows) * 3 // 4
+        rows[first:] = [
+            ",".join([*row.split(",")[:-2], "", ""]) for row in rows[first:]
+        ]
+    (tmp_path / "log.csv").write_text("\n".join([head, *rows]))
+    assert main(["fit", "hexapod-classroom", str(tmp_path / "log.csv")]) == 2
+    said = capsys.readouterr().err
+    assert "fewer than 20 rows, or no angles to its end, which check: " in said
+    assert "log.csv; leave out rows in which none was measured" in said
+
+
 REFUSED = {
     "an unknown key": ({"frictoin": 0.5}, r"\[fitted\] has no key 'frictoin'.*'fricti"),
     "a file to open": ({"motion": "a.csv"}, "no key 'motion': the card of hexapod; "),

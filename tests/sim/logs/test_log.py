@@ -76,7 +76,10 @@ def test_what_was_done_to_a_log_is_said(read):
         ("time,hip_1\n0,0\n1e-3,1\n", "lasts 0.001 s: .*; give 0.01 to 600 s"),
         ("time,hip_1\n0,0\n1e-9,1\n9,1\n", "from 0 s to 1e-09 s in row 2: .*; sort"),
         ("time,hip_1,body.x,body.y\n0,0,0,0\n1,1,1,1e308\n", "beyond 1e.06 in .*y'"),
-        ("time,hip_1,measured.hip_1\n0,0,0\n1,1,-2e6\n", "number beyond 1e.06 in .*m"),
+        (
+            "time,hip_1,body.x,body.y\n0,0,0,0\n1,1,-2e6,0\n",
+            "beyond 1e.06 in .*'body.x'",
+        ),
         ("time,hip_1,contact.1\n0,0,1\n1,1,7\n", "'contact.1' has .* other than 0"),
         ("0,0,0\n1,0,0\n", "no column 'time'"),
         ("\x80\x04\x95\xee", "no column 'time'"),
@@ -88,6 +91,10 @@ def test_what_was_done_to_a_log_is_said(read):
         ("time,hip_1\n0,0\n1,0,0\n", "row 2 has 3 of 2 columns"),
         ("time,hip_1\n0,\n1,\n", "column 'hip_1' is empty"),
         ("time,hip_1\n0,45\n1,0\n", "'hip_1' comes to 45 rad in row 1.*--units"),
+        (
+            "time,hip_1,measured.hip_1\n0,0,\n1,0,-45\n",
+            "'measured.hip_1' comes to -45 rad in row 2, at 1 s: .*; give --units",
+        ),
         ("time,hpi_1\n0,0\n1,1\n", "no joint 'hpi_1': .*did you mean 'hip_1'"),
         ("time,body.z\n0,0\n1,1\n", "no column 'body.z'"),
         ("time,body.x\n0,0\n1,1\n", "no column of a joint: .*; give one of hip_1"),
