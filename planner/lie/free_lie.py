@@ -172,9 +172,7 @@ class LieAlgebra:
         element of degree n by n (the theorem of Dynkin, Specht and Wever).
         """
         pairs = zip(tensor.levels[1:], self._word_brackets, strict=True)
-        layers = [
-            level @ brackets / n for n, (level, brackets) in enumerate(pairs, start=1)
-        ]
+        layers = [level @ brackets / n for n, (level, brackets) in enumerate(pairs, 1)]
         return np.concatenate(layers, axis=-1)
 
     @cached_property

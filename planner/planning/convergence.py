@@ -134,9 +134,7 @@ def _misses(
         [longer.names[j] for j in beyond],
     )
     spelled = steering.speller(exponential(steering.hall.elements, leading), samples)
-    words = [
-        (x, word) for w in wordings for x, word in zip(samples, spelled(w), strict=True)
-    ]
+    words = [pair for w in wordings for pair in zip(samples, spelled(w), strict=True)]
     size = len(longer.elements)
     unit = dict(zip(steering.hall.generators, np.eye(size), strict=False))
     for x, word in words:

@@ -129,6 +129,8 @@ def flow_map(
         array([1., 2., 2.])
     """
     field, start = system.compiled(name), np.asarray(x, dtype=float)
+    if start.shape != (size := system.dimension,):
+        raise ValueError(f"x has shape {start.shape}; give {size} coordinates")
     if field.is_constant:
         end = start + duration * field.constant[:, 0]
         if np.isfinite(end).all():

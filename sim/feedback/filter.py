@@ -196,6 +196,8 @@ class Feedback:
         if pose is None:
             return
         told = np.asarray(pose, dtype=float)
+        if told.shape[-1:] != (3,) or np.isinf(told).any():
+            raise ValueError(f"{pose} is not x, y [m] and yaw [rad], or NaN")
         off = told - self.pose
         off[..., 2] = wrap(off[..., 2])
         noise = np.maximum(self.sensing.noise, LEAST)

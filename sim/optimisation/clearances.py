@@ -171,10 +171,8 @@ def place_of(terms: Array, swing: Expression, lift: float) -> Place:
 
 def _soft_least(values: Sequence[Expression]) -> Expression:
     """A smooth lower bound on the least of several distances."""
-    least = reduce(ca.fmin, values)
-    return least - SMOOTHED * ca.log(
-        sum(ca.exp((least - v) / SMOOTHED) for v in values)
-    )
+    low = reduce(ca.fmin, values)
+    return low - SMOOTHED * ca.log(sum(ca.exp((low - v) / SMOOTHED) for v in values))
 
 
 @dataclass(frozen=True, eq=False)

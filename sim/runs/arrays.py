@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import json
 import os
 import zipfile
 import zlib
@@ -11,6 +12,7 @@ from contextlib import contextmanager
 from glob import escape
 from math import prod
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -116,6 +118,17 @@ def _declared(
             declared = f"{key} of {name} declares {size} bytes of numbers"
             raise ValueError(f"{declared} and has {member.file_size}")
         yield key, shape
+
+
+def plain_json(text: bytes) -> dict[str, Any]:
+    """A table of JSON, in which no number is too large to be drawn."""
+
+    def number(text: str) -> float:
+        if abs(value := float(text)) < LARGEST:
+            return value
+        raise ValueError(f"{text} is not a number below {LARGEST:g}")
+
+    return json.loads(text, parse_float=number, parse_constant=number)
 
 
 @contextmanager

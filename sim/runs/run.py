@@ -5,12 +5,10 @@ Arrays are read when they are asked for, or taken from a simulation just ended.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from copy import deepcopy
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -34,7 +32,7 @@ from sim.evaluation.flows import WalkedPhase
 from sim.evaluation.summary import Summary
 from sim.feedback.stops import Stop, read as read_stops
 from sim.motion.poses import compose, rotate, wrap
-from sim.runs.arrays import archive, reading
+from sim.runs.arrays import archive, plain_json, reading
 from sim.scenarios import body_path, obstacles
 from sim.scenarios.file import anchor, scenario_from
 from sim.scenarios.predictions import PREDICTIONS, best
@@ -268,7 +266,7 @@ def read_run(folder: Path, *, inspected: bool = False) -> Run:
             folder=folder.resolve(),
             settings=parse_toml(read_text(folder / "scenario.toml")),
             card_text=card,
-            summary=Summary.read(_finite(read_file(folder / "summary.json"))),
+            summary=Summary.read(plain_json(read_file(folder / "summary.json"))),
             phases=flows.read(read_text(folder / "flows.csv")),
             arrays=archive(folder, "trajectory.npz", feet, (START,), not inspected),
             commands=archive(folder, "commands.npz", feet, (), not inspected),
@@ -288,14 +286,5 @@ def _require_one_walk(run: Run) -> None:
     off = run.achieved[-1] - run.summary.achieved.pose
     if np.abs([*ends, *off]).max() > SAME:
         raise ValueError("its files are of different walks")
-
-
-def _finite(text: bytes) -> dict[str, Any]:
-    """A table of JSON, in which all numbers are finite."""
-
-    def number(text: str) -> float:
-        if isfinite(value := float(text)):
-            return value
-        raise ValueError(f"{text} is not a finite number")
-
-    return json.loads(text, parse_float=number, parse_constant=number)
+    if run.summary.weighed and run.summary.weighed.prediction not in [*run.predicted]:
+        raise ValueError(f"unknown prediction {run.summary.weighed.prediction!r}")

@@ -76,3 +76,8 @@ def test_a_foot_is_on_the_ground_before_another_lifts():
     robot = hexapod(heights=True)
     states = play(robot, with_lifts(SWINGS, 0.03, LIFTS), START)
     assert (states[:, 5:].min(axis=1) == 0.0).all()
+
+
+def test_a_flow_from_a_configuration_of_another_length_is_refused():
+    with pytest.raises(ValueError, match=r"x has shape \(1,\); give 5 coordinates"):
+        flow_map(hexapod(), "g1_1", [0.0], 1.0)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from sim.errors import UsageError
+from sim.feedback.filter import Feedback
 from sim.feedback.sensing import KINDS, WILD, Sensing, Sensor, sensing_of
 from sim.scenarios.file import load_scenario
 
@@ -63,3 +64,12 @@ def test_a_scenario_names_a_kind_and_replaces_its_numbers():
 def test_a_kind_of_sensor_that_there_is_not_is_refused():
     with pytest.raises(UsageError, match="sense = 'lidar' is not allowed"):
         load_scenario("line", {"sense": "lidar"})
+
+
+@pytest.mark.parametrize("pose", [[np.inf, 0.0, 0.0], [5.0], 5.0])
+def test_a_reading_that_is_no_pose_is_refused(pose):
+    """It would make all that is thought afterwards no number, or three times itself."""
+    feedback = Feedback(KINDS["tag"], 0.1)
+    with pytest.raises(ValueError, match="is not x, y .* and yaw"):
+        feedback.seen(pose)
+    assert np.isfinite(feedback.pose).all()

@@ -1,0 +1,86 @@
+"""A run folder of a stranger: files of two walks, numbers too large, and models."""
+
+import json
+import re
+import resource
+import shutil
+
+import imageio.v3 as iio
+import numpy as np
+import pytest
+
+from sim.cli import main
+from tests.commands import refusal, run
+from tests.sim.test_damaged_runs import COMMANDS
+
+
+@pytest.mark.physics
+@pytest.mark.parametrize("file", ["commands.npz", "trajectory.npz", "summary.json"])
+def test_files_of_another_walk_are_refused(folder, tmp_path, capsys, file):
+    """What is exported from them would go to the servos of a robot."""
+    other = tmp_path / "other"
+    goal = ("--set", "path.goal=[0.004,0,0]", "--segments", "1")
+    assert main(["run", "line", *goal, "--no-video", "--out", str(other)]) == 0
+    shutil.copy(other / file, folder)
+    capsys.readouterr()
+    words = ("export", str(folder), "--format", "csv", "--out", str(tmp_path / "e.csv"))
+    assert main(words) == 2
+    assert "its files are of different walks" in capsys.readouterr().err
+    assert not (tmp_path / "e.csv").exists()
+
+
+@pytest.mark.physics
+@pytest.mark.parametrize(
+    ("table", "key", "value", "said"),
+    [
+        ("weighed", "prediction", "x", "unknown prediction 'x'"),
+        ("weighed", "prediction", {}, "unknown prediction {}"),
+        ("achieved", "slip", 1e308, "1e+308 is not a number below 1e+09"),
+    ],
+)
+def test_a_summary_of_what_cannot_be_is_refused(
+    folder, capsys, table, key, value, said
+):
+    summary = json.loads((folder / "summary.json").read_text())
+    summary[table][key] = value
+    (folder / "summary.json").write_text(json.dumps(summary))
+    assert main(["show", str(folder), "--no-browser"]) == 2
+    assert said in capsys.readouterr().err
+
+
+BOMB = '<worldbody><replicate count="3000000"><geom size="1"/></replicate></worldbody>'
+FOREIGN = '<asset><texture type="2d" name="t" file="{}"/></asset>'
+MODELS = [name for name in COMMANDS if name not in ("show", "compare", "cite")]
+LIMITS = (10.0, 2 * 10**9)  # [s] of the processor, bytes
+
+
+@pytest.mark.physics
+@pytest.mark.full
+@pytest.mark.parametrize("command", MODELS)
+def test_the_model_of_a_run_may_be_a_bomb(walked, tmp_path, command):
+    shutil.copytree(walked, tmp_path / "run")
+    (tmp_path / "run" / "model.xml").write_text(f"<mujoco>{BOMB}</mujoco>")
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    done = run(COMMANDS[command], tmp_path, MUJOCO_GL="egl")  # none has been loaded
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    assert done.returncode == 3
+    assert re.search("too large: .*run/model.xml; ", refusal(done))
+    assert used.ru_utime + used.ru_stime - before.ru_utime - before.ru_stime < LIMITS[0]
+    assert 1024 * used.ru_maxrss < LIMITS[1]
+
+
+@pytest.mark.physics
+@pytest.mark.parametrize("command", MODELS)
+def test_the_model_of_a_run_opens_no_files_outside_its_folder(
+    walked, tmp_path, monkeypatch, capsys, command
+):
+    shutil.copytree(walked, tmp_path / "run")
+    monkeypatch.chdir(tmp_path)
+    iio.imwrite(tmp_path / "secret.png", np.zeros((8, 8, 3), np.uint8))
+    model = tmp_path / "run" / "model.xml"
+    opening = FOREIGN.format(tmp_path / "secret.png") + "</mujoco>"
+    model.write_text(model.read_text().replace("</mujoco>", opening))
+    assert main(COMMANDS[command]) == 3
+    said = capsys.readouterr().err
+    assert "the model opens files outside its own folder: " in said
+    assert "secret.png; walk the scenario again" in said
