@@ -87,9 +87,9 @@ def _check_standing(
         f"its legs give way by {1e3 * sag:.1f} mm, and a lifted foot rises by "
         f"{1e3 * rise:.1f} mm only"
     )
-    remedy = "stiffen its servos (servo_stiffness), or lift higher (lift_height)"
+    remedy = "stiffen its servos (servo_stiffness, servo), or lift higher (lift_height)"
     sagging = [(what, remedy)] if sag > rise else []
-    found = (standing.tipped(), standing.lying(), standing.aloft(), sagging)
+    found = (standing.tipped(), sagging, standing.lying(), standing.aloft())
     _refuse(robot, chain(*found, standing.too_soft()))
 
 

@@ -193,6 +193,11 @@ GROUNDS = {
         ['kp="1000" kv="2.81424945589"', 'kp="1" kv="0.1"', "le = 0.3", "le = 0.05"],
         "does not stand: its legs give way by .* mm, and a lifted foot rises by 5.. mm",
     ),
+    "servos are so weak that the body comes down": (  # by 10 mm
+        [PLATE, f'<geom size="0.035" pos="0 0 -0.015"/>{PLATE}',
+         'kp="1000" kv="2.81424945589"', 'kp="1" kv="0.1"', "le = 0.3", "le = 0.05"],
+        "legs give way by .* mm, and a lifted foot rises by 5.. mm .* stiffen its",
+    ),
 }  # fmt: skip
 ALL = PARTS | NUMBERS | POSTURES | GAITS | GROUNDS
 
