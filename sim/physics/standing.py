@@ -81,16 +81,15 @@ def _check_standing(
         mujoco.mj_step(model, data, nstep=CHUNK)  # a large model is slow
     if any(warning.number for warning in data.warning):
         return
-    rise = float(kinematics.rise(np.array(lift_angle)).min())
-    sag = before - float(data.qpos[height])
-    what = (
-        f"its legs give way by {1e3 * sag:.1f} mm, and a lifted foot rises by "
-        f"{1e3 * rise:.1f} mm only"
-    )
+    rise = 1e3 * float(kinematics.rise(np.array(lift_angle)).min())
+    sag = 1e3 * (before - float(data.qpos[height]))
+    what = f"its legs give way by {sag:.1f} mm, "
+    what += f"and a lifted foot rises by {rise:.1f} mm only"
     remedy = "stiffen its servos (servo_stiffness, servo), or lift higher (lift_height)"
     sagging = [(what, remedy)] if sag > rise else []
-    found = (standing.tipped(), sagging, standing.lying(), standing.aloft())
-    _refuse(robot, chain(*found, standing.too_soft()))
+    lying, soft = [*standing.lying()], standing.too_soft()
+    found = (standing.tipped(), lying and sagging, lying, standing.aloft(), sagging)
+    _refuse(robot, chain(*found, soft))
 
 
 def _blame_the_timestep(
