@@ -54,10 +54,8 @@ def settings_table() -> str:
     for name, item in Scenario.declarations().items():
         given = item.default is not None and item.default is not MISSING
         default = f"`{json.dumps(item.default)}`" if given else ""
-        affects = ", ".join(sorted(item.affects)) + " *" * item.imperfection
-        rows.append(
-            f"`{name}` | {item.allowed} | {default} | {item.meaning} | {affects}"
-        )
+        parts = ", ".join(sorted(item.affects)) + " *" * item.imperfection
+        rows.append(f"`{name}` | {item.allowed} | {default} | {item.meaning} | {parts}")
     return "".join(f"| {row} |\n" for row in rows)
 
 

@@ -41,6 +41,11 @@ class Sensing:
     gyro_drift: float = 0.0  # standard deviation of its constant rate [rad/s]
     delay: float = 0.0  # time that one reading takes [s]
 
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            if value is not None and not value >= 0:  # nor no number
+                raise ValueError(f"{name} is {value}; give 0 or more")
+
     @property
     def is_exact(self) -> bool:
         """Whether every reading is the pose itself."""

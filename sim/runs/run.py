@@ -282,7 +282,7 @@ def read_run(folder: Path, *, inspected: bool = False) -> Run:
 def _require_one_walk(run: Run) -> None:
     """Refuse files that are of different walks, with a ValueError."""
     clock, end = run.commands["time"], run.time[-1]
-    ends = end - clock[-1] - (clock[1:] - clock[:-1]).max(), end - run.phases[-1].end
+    ends = end - clock[-1] - np.diff(clock).max(initial=0.0), end - run.phases[-1].end
     off = run.achieved[-1] - run.summary.achieved.pose
     if np.abs([*ends, *off]).max() > SAME:
         raise ValueError("its files are of different walks")

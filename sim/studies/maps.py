@@ -166,9 +166,7 @@ def _draw_map(axes: Axes, results: Results, across: str, up: str) -> None:
 def _shades(results: Results) -> list[Colour]:
     """Colours of classes: the hue says how far off, several of one hue darken."""
     hues = np.searchsorted(LIMITS, results.limits).tolist()
-    parts = (
-        (hues[: i + 1].count(h) + 1) / (hues.count(h) + 1) for i, h in enumerate(hues)
-    )
+    parts = ((hues[:i].count(h) + 2) / (hues.count(h) + 1) for i, h in enumerate(hues))
     shades = map(Colour.tint, map(OUTCOMES.__getitem__, hues), parts)
     return [*shades, *OUTCOMES[len(LIMITS) :]]
 

@@ -73,3 +73,9 @@ def test_a_reading_that_is_no_pose_is_refused(pose):
     with pytest.raises(ValueError, match="is not x, y .* and yaw"):
         feedback.seen(pose)
     assert np.isfinite(feedback.pose).all()
+
+
+@pytest.mark.parametrize("value", [-1.0, np.nan])
+def test_a_sensor_cannot_err_by_less_than_nothing(value):
+    with pytest.raises(ValueError, match="position is .*; give 0 or more"):
+        Sensing(position=value)
