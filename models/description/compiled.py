@@ -38,7 +38,7 @@ HEAVY = (
     "and give it shapes that have mass (in URDF: <collision>)"
 )
 SOLVING = re.compile("iterations$|initpoints$")  # options that a step's time grows with
-NOT_XML = re.compile("Problem reading XML file .* Line number=([0-9]+)")
+NOT_XML = re.compile("Problem reading XML file (.*): .* Line number=([0-9]+)")
 MOST_ITERATIONS = 1000  # of these; the engine's own are 100 or fewer
 WORDS = {"jnt": "joint", "tex": "texture", "cam": "camera", "mat": "material"}
 
@@ -199,7 +199,8 @@ def one_line(what: str, *remedy: str) -> Iterator[None]:
         yield
     except (ValueError, RuntimeError, mujoco.FatalError) as error:
         reason = " ".join(str(error).split()).partition(" The static bodies of")[0]
-        reason = NOT_XML.sub(r"no XML, line \1", reason)
+        reason = NOT_XML.sub(r"no XML, line \2 of \1", reason)
+        reason = reason.replace(f" of '{what.partition(': ')[2]}'", "")
         if MASSLESS in reason:
             remedy = (HEAVY,)
         raise ModelError("; ".join((what, reason, *remedy))) from error

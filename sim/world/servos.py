@@ -113,8 +113,7 @@ def _kind(name: str, data: Mapping[str, float], scenario: Scenario) -> ServoKind
     try:
         return servo_of(name, data)
     except ValueError as error:
-        remedy = f"{error}, in servo_data"
-        raise UsageError(f"servo = {name!r}", where, remedy) from error
+        raise UsageError.at(f"servo_data of {name!r}, {where}", error) from error
 
 
 COUPLING = (int(mujoco.mjtEq.mjEQ_JOINT), int(mujoco.mjtEq.mjEQ_TENDON))

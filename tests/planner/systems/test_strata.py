@@ -93,7 +93,7 @@ def test_field_may_be_tangent_on_its_curved_stratum_alone():
         ({"state": "x x"}, "state names x twice"),
         ({"state": ("x", "2y")}, "state has 2y, which is not a name"),
         ({"strata": {}}, "strata hold no fields"),
-        ({"bottom": "2"}, r"bottom '2' is unknown; there are 1"),
+        ({"bottom": "2"}, r"bottom '2' is unknown; there is only 1"),
         (
             {"strata": {"1": {"g": [1]}}},
             r"g of S1 has shape \(1, 1\), expected \(2, 1\)",

@@ -148,8 +148,11 @@ def test_a_truncated_trajectory_is_refused(folder):
 
 
 def test_a_missing_array_is_named(folder):
-    np.savez(folder / "trajectory.npz", time=np.zeros(3))
-    with pytest.raises(UsageError, match="world_start_pose"):
+    with np.load(folder / "trajectory.npz") as file:
+        arrays = dict(file)
+    del arrays["world_start_pose"]
+    np.savez(folder / "trajectory.npz", **arrays)
+    with pytest.raises(UsageError, match="it lacks 'world_start_pose'"):
         read_run(folder).in_world()
 
 

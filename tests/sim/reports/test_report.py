@@ -68,8 +68,6 @@ def fallen(folder):
     """Make a run folder tell of a robot that lies on its side from half-time on."""
     summary = json.loads((folder / "summary.json").read_text())
     summary |= {"verdict": "fell", "verdict_text": "fell at 7.0 s: the body tilted"}
-    summary["achieved"]["min_margin"] = -0.4
-    (folder / "summary.json").write_text(json.dumps(summary))
     with np.load(folder / "trajectory.npz") as file:
         arrays = dict(file)
     half = len(arrays["time"]) // 2
@@ -77,6 +75,9 @@ def fallen(folder):
     arrays["achieved_margin"][half:] = -np.inf  # no foot on the ground
     arrays["contact"][half:] = False
     np.savez(folder / "trajectory.npz", **arrays)
+    end = arrays["achieved_pose"][-1].tolist()
+    summary["achieved"] |= {"min_margin": -0.4, "pose": end}
+    (folder / "summary.json").write_text(json.dumps(summary))
     return folder
 
 
