@@ -48,8 +48,8 @@ def changes(robot: Robot, scenario: Scenario) -> Iterator[str]:
         inertia = f"{next(iter(added.values())):.2g}"
         yield (
             f"joints {_listed([*added])} have no armature and would chatter; they "
-            f"get that of a motor behind its gears, {inertia} kg m^2; to set another, "
-            f'write armature="{inertia}" into the file'
+            f"get that of a motor behind its gears, {inertia} kg m^2; to set another "
+            'whatever the make, write armature="..." into the file'
         )
     if springs := undamped_joints(robot, asked):
         yield (

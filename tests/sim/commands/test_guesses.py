@@ -175,6 +175,7 @@ def test_a_slip_of_the_finger_is_answered_with_what_was_meant(words, meant, caps
         ("run line --goal 0.1 0.2", "write --set 'path.goal=[0.1, 0.2, 0]'"),
         ("run line --goal=y=0.2", "write --set 'path.goal=[0, 0.2, 0]'"),
         ("plan car --trailers 2", "try stratawalk plan car-trailers --set trailers=2"),
+        ("run line --steps 4", "stratawalk run; write --segments 4"),
         ("run line --predict compliant", "--set 'predictions=[\"compliant\"]'"),
         ("help floor", "--set floor_stiffness=VALUE (a number from 100 to 1000000"),
         ("help friction", "--set friction=VALUE (a number from 0 to 10): "),
