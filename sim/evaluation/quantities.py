@@ -162,7 +162,7 @@ def _lines(summary: Summary) -> Iterator[str]:
     """What is ignored, and quantities without a column: of the rows, of the walk."""
     if summary.ignored:
         yield f"{'ignored':13}{summary.ignored}"
-    for quantity in LINES:
+    for quantity in LINES if summary.goal else ():  # no lift-offs in a log
         values = {label: quantity.value(summary, row) for row, label in ROWS.items()}
         words = (f"{quantity.words(v)} {k}" for k, v in values.items() if v is not None)
         if found := ", ".join(words):

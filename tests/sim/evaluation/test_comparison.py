@@ -125,6 +125,12 @@ def test_an_optimised_plan_is_not_said_to_be_one_of_the_ideal_fields(summary):
     assert "steered by the ideal prediction" in describe(summary)
 
 
+def test_slip_of_lift_offs_is_told_of_planned_walks_alone(summary):
+    assert "\nswitch slip " in describe(summary)
+    summary["goal"] = None
+    assert "\nswitch slip " not in describe(summary)
+
+
 class Terminal(io.StringIO):
     """A standard error that says it is a terminal."""
 
