@@ -116,13 +116,13 @@ def test_lines_fit_a_terminal_of_a_hundred_columns(summary):
 
 
 def test_an_optimised_plan_is_not_said_to_be_one_of_the_ideal_fields(summary):
-    assert "steered by the ideal prediction\n" in describe(summary)
+    assert "planned on the ideal prediction\n" in describe(summary)
     summary["optimise"] = "time"
     said = describe(summary)
     assert "steered by the quasi-static prediction, optimised for time\n" in said
     assert "as the optimised plan says" in said
     summary["fallback"] = "no shorter plan was found"
-    assert "steered by the ideal prediction" in describe(summary)
+    assert "planned on the ideal prediction" in describe(summary)
 
 
 def test_slip_of_lift_offs_is_told_of_planned_walks_alone(summary):
