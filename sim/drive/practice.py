@@ -21,8 +21,7 @@ from sim.physics.engine import Engine
 from sim.preparation.setup import Setup
 from sim.world.imperfections import BACKLASH, turned
 
-TURNS = 8  # of practice, at most: on counts they do not converge, the best is taken
-LOOSE_TURNS = 4  # within backlash nothing brakes a joint, and further shifts shake it
+TURNS = 8  # of practice, at most: they need not converge, and the best is taken
 WELL_MET = 0.002  # of the reach, that a turn may miss the end by for practice to end
 PART = 0.7  # of what was missed, that is added after a turn
 
@@ -60,7 +59,6 @@ class Practice:
         self._loose = Practised(setup.with_imperfections(assumed))
         self._width = np.broadcast_to(assumed.dead_band, joints) + assumed.backlash
         self._shift = _half_counts(setup, self._width)
-        self._turns = LOOSE_TURNS if assumed.backlash else TURNS
 
     def shifts(self, schedule: Schedule, made_up: FeedForward | None) -> FeedForward:
         """What to add to the commands of a schedule, (J,) [rad], at most the slack.
@@ -71,7 +69,7 @@ class Practice:
         loose, reach = self._loose, self._loose.setup.kinematics.reach
         began, drive = loose.engine.moment, loose.drive
         shift, tried = np.zeros_like(wanted.values), []
-        for turn in range(self._turns):
+        for turn in range(TURNS):
             loose.engine.rewind(began)
             loose.drive = copy(drive)
             shifts = replace(wanted, values=shift)
