@@ -123,7 +123,7 @@ class Drive:
         at_rest = np.abs(torques.at(pauses)[:, self._joints[joint]]).max()
         makes = self._sufficient(borne, turned)
         remedies = [
-            f"take servos that give it, --set servo={' or '.join(makes)}"
+            f"take servos that suit this walk, --set servo={' or '.join(makes)}"
             if makes
             else "take stronger servos than all that are known by name",
             "make the robot lighter",
