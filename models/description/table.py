@@ -126,7 +126,7 @@ class Table:
 
     def whole(self, key: str, otherwise: int | None = None) -> int:
         """A whole number."""
-        return int(self._of("a whole number", key, _is_whole, otherwise))
+        return int(self._of("a whole number", key, lambda v: type(v) is int, otherwise))
 
     def list(self, key: str) -> list[object]:
         """A list."""
@@ -185,10 +185,6 @@ def _is_number(value: object) -> bool:
     if isinstance(value, bool) or not isinstance(value, int | float):
         return False
     return -LARGEST_NUMBER <= value <= LARGEST_NUMBER
-
-
-def _is_whole(value: object) -> bool:
-    return isinstance(value, int) and not isinstance(value, bool)
 
 
 def _list_of(fits: Fits) -> Fits:

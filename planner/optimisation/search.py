@@ -68,8 +68,7 @@ class Search(WindowSearch):
             window = Window(here, ends, self.path(1.0) if last else None, first)
             found = self.solve(window, count)
             if found is None or found.width > KEPT_WIDTH:
-                lacking = found.width**2 if found else 2.0
-                width /= np.clip(lacking, 2.0, LARGEST_CUT)
+                width /= np.clip(found.width**2 if found else 2.0, 2.0, LARGEST_CUT)
                 if width * length < LAST_WINDOW:
                     raise self._refusal(window, found)
                 count = _first_count(width * length)

@@ -70,9 +70,7 @@ def _read(tokens: Iterator[str], text: str) -> Tree:
 
 def name_of(tree: Tree) -> str:
     """The name of an element, without spaces."""
-    if isinstance(tree, str):
-        return tree
-    return f"[{name_of(tree[0])},{name_of(tree[1])}]"
+    return tree if isinstance(tree, str) else f"[{name_of(tree[0])},{name_of(tree[1])}]"
 
 
 def relabel(tree: Tree, label: Callable[[str], str]) -> Tree:

@@ -12,6 +12,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from planner import (
     BudgetError,
     Plan,
@@ -26,6 +28,7 @@ from sim.commands import options as cli
 from sim.commands.declared import GUESSES
 from sim.commands.parsing import goal_setting
 from sim.commands.plan_report import (
+    SAMPLES,
     Accuracy,
     Prospect,
     Report,
@@ -45,7 +48,8 @@ from sim.scenarios.scenario import Scenario
 if TYPE_CHECKING:
     from models import Robot
 
-SAMPLES = 20  # of each flow, in pictures
+ARROWS = 5  # states in pictures for which one arrow is drawn
+HEADINGS = ("theta", "theta_0", "heading")  # names of coordinates that are headings
 Outcome = tuple[Plan, Report]
 FOR_ROBOTS = dict.fromkeys(("robot", "fields", "steer"), "leave it out")
 BY_ELEMENTS = ("elements", "degree", "words", "replan")  # not in chained form
@@ -84,14 +88,27 @@ def plan(options: argparse.Namespace) -> None:
 
 
 def _draw(name: str, planned: Plan, path: Path) -> None:
-    """Draw the way of a system in its first two coordinates, as y over x."""
+    """Draw the way of a system in its first two coordinates, as y over x.
+
+    Arrows show its headings and that of the goal; colours, the order of travel.
+    """
     from matplotlib.figure import Figure
 
-    way, figure = rollout(planned, SAMPLES)[:, :2], Figure(layout="constrained")
-    labels = [f"{s} of {name}, in its own unit" for s in planned.system.state[:2]]
-    axes = figure.add_subplot(xlabel=labels[0], ylabel=labels[-1], aspect="equal")
-    axes.plot(*way.T, "-", *way[0], "ko", *way[-1], "ks")
-    axes.set_title("from the dot to the square")
+    way, figure = rollout(planned, SAMPLES), Figure(layout="constrained")
+    states, order = np.vstack([way, planned.goal]), [*range(len(way)), len(way) - 1]
+    names = list(map(str, planned.system.state))
+    axes = figure.add_subplot(title=name, aspect="equal", adjustable="datalim")
+    axes.set(xlabel=names[0], ylabel=names[:2][-1])
+    drawn = states.T[:2][[0, -1]]  # of a single coordinate, twice
+    shown = axes.scatter(*drawn, 3, order)
+    for label, mark, place in ("start", "o", 0), ("goal", "s", -1), ("end", "x", -2):
+        axes.plot(*drawn[:, place], f"k{mark}", fillstyle="none", ms=9, label=label)
+    for heading in (states[:, names.index(h)] for h in HEADINGS if h in names[2:]):
+        turned = np.array([*drawn, np.cos(heading), np.sin(heading), order])
+        seen = turned[:, [*range(0, len(way), ARROWS), -1]]
+        axes.quiver(*seen, scale=18, width=0.004)
+    figure.colorbar(shown, label="order of travel, dark first", ticks=[])
+    figure.legend(loc="outside lower center", ncols=3)
     with whole(path) as part:
         figure.savefig(part, dpi=120)
 

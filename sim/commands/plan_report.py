@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from sim.problems.scenario import ScenarioProblem
 
 Report = tuple[dict[str, object], str]
+SAMPLES = 20  # states of each flow, in pictures as well
 LEFT_OUT = ("fallback", "chained", "largest_fold")  # of a system's facts, where empty
 
 
@@ -144,7 +145,8 @@ def of_system(
     def named(state: Array) -> dict[str, float]:
         return dict(zip(map(str, system.state), state.tolist(), strict=True))
 
-    fold = {"largest_fold": folded and folded(planned)}
+    largest = abs(rollout(planned, SAMPLES)).max(axis=0)
+    fold = {"largest": named(largest), "largest_fold": folded and folded(planned)}
     further = fold | (asdict(prospect) if prospect else {})
     facts = {
         "system": name,

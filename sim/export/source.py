@@ -244,8 +244,7 @@ def write_trajectory(commands: ServoCommands) -> str:
 def read_trajectory(text: str) -> ServoCommands:
     """The commands of such a trajectory."""
     try:
-        read = yaml.load(text, Loader=LOADER)  # noqa: S506
-        points = read["points"]
+        points = yaml.load(text, Loader=LOADER)["points"]  # noqa: S506
         last = points[-1]["time_from_start"]
         duration = last["sec"] + last["nanosec"] / SECOND
         angles = np.array([point["positions"] for point in points], dtype=float)

@@ -5,15 +5,7 @@ beside the prediction.
 """
 
 NAMES = (
-    "mechanism",
-    "biped",
-    "quadruped",
-    "sequence",
-    "panels",
-    "stability",
-    "line",
-    "ellipse",
-    "diagonal",
-    "corridor",
+    *("mechanism", "biped", "quadruped", "sequence", "panels"),
+    *("stability", "line", "ellipse", "diagonal", "corridor"),
 )
 """Their modules have `paper(axes)`, `metres(axes, walks)` and the `WALKS` of these."""

@@ -67,6 +67,7 @@ def test_trailers_that_fold_beyond_a_right_angle_are_warned_of(plan, capsys):
         assert cli.main(["plan", *words]) == 0
         said = capsys.readouterr().out
         assert ("warning   a trailer folds by up to " in said) is warned
+        assert "\nhitches   bend by up to " in said
 
 
 def test_what_converges_faster_is_offered_only_where_it_misses_less(plan):

@@ -1,0 +1,41 @@
+"""Plans of systems: their pictures, and what their coordinates come to."""
+
+import math
+
+import pytest
+
+from tests.sim.commands.test_systems import LINE, facts, stratawalk
+
+__all__ = ["facts", "stratawalk"]
+
+
+def test_a_picture_shows_headings_and_tells_start_goal_and_end_apart(
+    stratawalk, tmp_path
+):
+    """Of 81 states of the four flows every fifth has an arrow, and the goal has one."""
+    (tmp_path / "track.toml").write_text(LINE.replace('"x", "y"', '"x"'))
+    for words, arrows in {
+        "unicycle --segments 1": 18,
+        "heisenberg": 0,
+        "track.toml": 0,
+    }.items():
+        name = words.split(".")[0].split()[0]
+        assert stratawalk("plan", *words.split(), "--out", f"{name}.svg")[0] == 0
+        drawn = (tmp_path / f"{name}.svg").read_text()
+        _, _, quiver = drawn.partition('<g id="Quiver_1">')
+        assert quiver.partition("</g>")[0].count("<path ") == arrows
+        assert all(f"<!-- {mark} -->" in drawn for mark in ("start", "goal", "end"))
+
+
+def test_the_largest_value_of_each_coordinate_on_the_way_is_told(facts, stratawalk):
+    """A wheel that turns by a radian, drives by one, turns back and drives back."""
+    largest = facts("plan", "unicycle", "--segments", "1")["largest"]
+    expected = {"x": math.cos(1), "y": math.sin(1), "theta": 1}
+    assert largest == pytest.approx(expected)
+    code, out, _ = stratawalk("plan", "unicycle", "--segments", "1")
+    assert "at most   x 0.5403, y 0.8415, theta 1.0000\n" in out
+
+
+def test_one_system_is_listed_with_the_coordinates_of_its_goals(stratawalk):
+    _, out, _ = stratawalk("systems", "car-trailers")
+    assert "coordinates x, y, theta_0, theta_1, phi\n" in out
