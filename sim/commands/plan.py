@@ -100,7 +100,7 @@ def _draw(name: str, planned: Plan, path: Path) -> None:
     axes = figure.add_subplot(title=name, aspect="equal", adjustable="datalim")
     axes.set(xlabel=names[0], ylabel=names[:2][-1])
     drawn = states.T[:2][[0, -1]]  # of a single coordinate, twice
-    shown = axes.scatter(*drawn, 3, order)
+    shown = axes.scatter(drawn[0], drawn[1], 3, order)
     for label, mark, place in ("start", "o", 0), ("goal", "s", -1), ("end", "x", -2):
         axes.plot(*drawn[:, place], f"k{mark}", fillstyle="none", ms=9, label=label)
     for heading in (states[:, names.index(h)] for h in HEADINGS if h in names[2:]):

@@ -244,7 +244,8 @@ def write_trajectory(commands: ServoCommands) -> str:
 def read_trajectory(text: str) -> ServoCommands:
     """The commands of such a trajectory."""
     try:
-        points = yaml.load(text, Loader=LOADER)["points"]  # noqa: S506
+        read = yaml.load(text, Loader=LOADER)  # noqa: S506
+        points = read["points"]
         last = points[-1]["time_from_start"]
         duration = last["sec"] + last["nanosec"] / SECOND
         angles = np.array([point["positions"] for point in points], dtype=float)
