@@ -160,7 +160,8 @@ def _newton(
                 contact = replace(contact, side=give(contact, torque)[2])
             turned, slope, side = give(contact, torque)
             settled = np.all(side == contact.side, axis=(1, 2))
-            law = _Law.of(contact, _compliance(contact, slope), scale)
+            compliance = _compliance(contact, slope)
+            law = _Law.of(contact, compliance, scale)
         state = law.at(contact, twist, force, motion(contact, twist, force, turned))
         state.error[~settled] = np.inf
         better = state.error < best.error[lanes]
