@@ -6,7 +6,8 @@ those of the paper. Public names are imported from here, `from planner import pl
 are loaded when they are first used; `__init__.pyi` lists them. The rooms behind this
 front door follow the paper. Each has a door of its own with the names that `models` and
 `sim` need in addition, such as `from planner.optimisation import Task`; those of the
-table that are not here are there.
+table that are not here are there. Rooms beside the paper are `execution` (how plans are
+carried out), `optimisation` (shorter plans), and for all others `numerics`, `support`.
 
 =========  ============  ===================================  ==========================
 Paper      Notation      In the code                          Room and module
