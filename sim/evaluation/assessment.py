@@ -41,6 +41,7 @@ from sim.evaluation.phases import (
     foreseen,
     moving_time,
     real_robot,
+    slip_by_phase,
     swing_slip,
     swing_travel,
 )
@@ -215,7 +216,7 @@ def summarise(
         off_goal["goal"] = departure(pose, np.array(goal))
     switches, fastest = commanded_pace(walk)
     strokes = swing_travel(swings, setup.robot.groups, loaded=True)
-    slip, in_swings, judged = achieved.slip[-1], swing_slip(walk), evaluation.judged
+    slip, judged = achieved.slip[-1], evaluation.judged
     absent: dict[str, None] = dict.fromkeys(evaluation.unpredicted)
     errors: dict[str, Departure | None] = {}
     predicted, sources = dict[str, Predicted](), dict[str, dict[str, list[float]]]()
@@ -263,8 +264,7 @@ def summarise(
             min_margin=recording.least_margin,
             min_clearance=evaluation.least_clearance("achieved"),
             slip=float(slip.sum()),
-            slip_swing=in_swings,
-            slip_transition=float(slip.sum()) - in_swings,
+            **slip_by_phase(walk, float(slip.sum()), swing_slip(walk)),
             slip_per_foot=dict(
                 zip(map(str, setup.robot.legs), slip.tolist(), strict=True)
             ),

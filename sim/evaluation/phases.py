@@ -49,6 +49,13 @@ def standing_slip(walk: Walk, slip: Array | None = None) -> Array:
     return stood
 
 
+def slip_by_phase(walk: Walk, slip: float, in_swings: float) -> dict[str, float | None]:
+    """Slip in swings and beside them [m]; a motion that is played has no such phases."""
+    told_apart = walk.setup.motion is None
+    parts = (in_swings, slip - in_swings) if told_apart else (None, None)
+    return dict(zip(("slip_swing", "slip_transition"), parts, strict=True))
+
+
 def foreseen(
     walk: Walk, name: str, prediction: Prediction, judged: Array, clear: float | None
 ) -> Predicted:
@@ -82,8 +89,7 @@ def _foresight(walk: Walk, prediction: Prediction) -> dict[str, Any]:
     lasting = idle[2:] & idle[1:-1] & idle[:-2]
     legs = zip(walk.setup.robot.legs, lasting.T, strict=True)
     return {
-        "slip_swing": in_swings,
-        "slip_transition": float(total[-1]) - in_swings,
+        **slip_by_phase(walk, float(total[-1]), in_swings),
         "lets_go": {
             str(leg): float(step[at.argmax()] * dt) for leg, at in legs if at.any()
         },
@@ -160,11 +166,13 @@ def _departed(measured: Array, simulated: Array) -> Departed:
 
 
 def commanded_pace(walk: Walk) -> tuple[int, float]:
-    """Contact switches, and the highest speed of a joint [rad/s], as commanded."""
+    """Contact switches, and the fastest swing of a leg [rad/s], as commanded."""
     if (motion := walk.setup.motion) is not None:
         planned = np.vstack([motion.low, motion.contact])
         speed = np.diff(motion.log.commanded, axis=0).T / np.diff(motion.log.time)
-        return count_changes(walk, planned), float(np.abs(speed).max())
+        legs = walk.setup.robot.card.legs.values()
+        swung = np.isin(motion.log.joints, [leg.swing for leg in legs])
+        return count_changes(walk, planned), float(np.abs(speed[swung]).max(initial=0))
     peak = walk.setup.limits.swing_peak
     speeds = (peak(p.direction, p.amount) for p in walk.phases if p.kind == "swing")
     switches = sum(phase.kind in ("lift", "land") for phase in walk.phases)

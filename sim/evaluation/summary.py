@@ -77,7 +77,7 @@ class Predicted(Numbers):
     slip: float  # of all feet [m]
     min_clearance: float | None = None  # [m]; None where there are no obstacles
     ignores: str = ""  # settings of the scenario that it knows nothing of
-    slip_swing: float | None = None  # [m], where lift-offs and touchdowns slip as well
+    slip_swing: float | None = None  # [m], as of the physics
     slip_transition: float | None = None
     lets_go: Mapping[str, float] | None = None  # standing feet without load: when [s]
 
@@ -118,8 +118,8 @@ class Accomplished(Numbers):
     min_margin: float  # [m]
     min_clearance: float | None = None  # [m]
     slip: float  # of all feet [m]
-    slip_swing: float
-    slip_transition: float
+    slip_swing: float | None  # [m], where swings, lift-offs, touchdowns are told apart
+    slip_transition: float | None  # [m], while legs lift and land
     slip_per_foot: Mapping[str, float]
     creep_floor: float | None  # slip while standing as long [m], if measured
 

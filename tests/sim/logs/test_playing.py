@@ -112,7 +112,13 @@ def test_a_played_motion_has_no_goal_and_its_shares_are_of_the_predicted_way(pla
     way = np.hypot(*played.evaluation.predicted["quasi_static"].pose[-1][:2])
     assert summary.path_length == pytest.approx(way, rel=0.1)
     assert summary.weighed.goal is None
+    for found in (summary.achieved, summary.predicted["compliant"]):
+        assert found.slip > 0
+        assert (found.slip_swing, found.slip_transition) == (None, None)
     assert (summary.contact_switches, summary.contact_switches_achieved) == (3, 4)
+    # joints that lift are twice as fast
+    fastest = SWING * 2 * np.pi / PERIOD
+    assert summary.fastest_swing == pytest.approx(fastest, rel=0.01)
 
 
 def test_physics_and_predictions_of_a_played_gait_agree(played):
