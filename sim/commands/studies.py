@@ -105,7 +105,8 @@ def study(options: argparse.Namespace) -> None:
     paged = out.suffix in PAGES
     if out.suffix[1:].isalpha() and not paged and not out.is_dir():
         raise UsageError("neither folder nor page", str(out), "end it with .html")
-    results = read_results(given, prediction_key(options.prediction))
+    asked = prediction_key(options.prediction) if options.prediction else ""
+    results = read_results(given, asked)
     folder = ensure_folder(out.parent if paged else out)
     remedy = "give the table that a sweep has written"
     with cli.working(options, "drawing maps"), blamed_on(given, remedy):

@@ -89,7 +89,7 @@ def page(results: Results, found: Findings, table: Path, beside: Path) -> str:
     counts += [(f"no walk: {why}", str(n), "") for why, n in found.reasons.items()]
     shares = [
         (key, *("–" if s is None else f"{s:.0%}" for s in (one.departure, one.falls)))
-        for key, one in found.explained.items()
+        for key, one in found.ranked
     ]
     drawn = figures(results, "none")
     return render(

@@ -40,7 +40,8 @@ PRINTED_REASONS = 5
 NUMBER = re.compile(r"-?\b\d[\d.e-]*")  # in which alone many reasons differ
 FURTHER = ("beyond", "fell", "no walk")  # classes, after those of the limits
 FELL, NO_WALK = 4, 5
-VARIANCES = "shares of the variance of log distance, and of lost walks (fell, no walk)"
+UNJUDGED = "quasi_static"  # what walks of a table without verdicts are compared with
+VARIANCES = "100% is all that differs: in log distance, in being lost (fell, no walk)"
 ALONE = "only one setting varies, so there is nothing to divide among several"
 THIRDS = (1 / 3, 2 / 3, 1.0)  # of the points, above which the fitted limits are
 ROUND = np.outer(
@@ -57,6 +58,7 @@ class Results:
     prediction: str  # name of the prediction that points are judged by
     asked: Mapping[str, Any] = field(default_factory=dict)  # what the sweep is about
     limits: tuple[float, ...] = LIMITS  # of the classes, shares of the path
+    judge: str = ""  # name of the prediction that verdicts are by, if known
 
     def __len__(self) -> int:
         return len(self.columns["point"])
@@ -114,8 +116,11 @@ class Results:
         return np.array([np.nan if value is None else value for value in given], float)
 
 
-def read_results(path: Path, prediction: str) -> Results:
-    """Read a table, or that of a sweep's folder; it must have the prediction."""
+def read_results(path: Path, prediction: str = "") -> Results:
+    """Read a table, or that of a sweep's folder; it must have the prediction.
+
+    If none is named, it is the one that most verdicts of the table are by.
+    """
     file = SweepFolder(path).table if path.is_dir() else path
     columns, about = read_table(file)
     asked = about.get("asked") if isinstance(about, dict) else None
@@ -132,7 +137,12 @@ def read_results(path: Path, prediction: str) -> Results:
     _require("verdict", columns["verdict"], "texts", str, NoneType)
     for key in keys:
         _require(key, columns[key], "one value", bool, int, float, str, least=-MOST)
-    results = Results(columns, keys, prediction, asked or {})
+    judges = [name for name in columns.get("weighed.prediction", ()) if name]
+    judge = str(Counter(judges).most_common(1)[0][0]) if judges else UNJUDGED
+    if judge not in PREDICTIONS:
+        raise refusal(judge, "a prediction", str(file), "column 'weighed.prediction'")
+    prediction = prediction or judge
+    results = Results(columns, keys, prediction, asked or {}, judge=judge)
     made = {p.label for k, p in PREDICTIONS.items() if f"error.{k}.farthest" in columns}
     if made and results.label not in made:
         what = f"the walks were not compared with the {results.label} prediction"
@@ -200,6 +210,9 @@ class Explained:
     falls: float | None  # of whether the walk is lost
 
 
+NOTHING = Explained(None, None)
+
+
 @dataclass(frozen=True)
 class Findings:
     """Points in each class, and how much every setting alone explains."""
@@ -211,11 +224,24 @@ class Findings:
     reasons: Mapping[str, int]  # points without numbers, most frequent reasons first
     verdicts: Mapping[str, int]  # walks by what became of them
     method: str  # what the shares are that settings explain, and how exact
+    together: Explained  # shares left over for settings together, where exact
+    judge: str  # prediction that verdicts are by, if it is another one
+
+    @property
+    def ranked(self) -> list[tuple[str, Explained]]:
+        """Settings, the weightiest first, and what only several together explain."""
+        ranked = sorted(self.explained.items(), key=lambda of: -(of[1].departure or 0))
+        rest = [("several together", self.together)] * (self.together != NOTHING)
+        return [*ranked, *rest]
 
     def __str__(self) -> str:
-        ranked = sorted(self.explained.items(), key=lambda of: -(of[1].departure or 0))
-        label = PREDICTIONS[self.prediction].label
-        return render("study.txt", found=self, label=label, ranked=ranked)
+        return render("study.txt", found=self, label=PREDICTIONS[self.prediction].label)
+
+
+def _left(shares: Sequence[float | None]) -> float | None:
+    """What is left of a whole by shares; None if one of them is unknown."""
+    known = [share for share in shares if share is not None]
+    return max(1.0 - sum(known), 0.0) if 1 < len(known) == len(shares) else None
 
 
 def findings(results: Results) -> Findings:
@@ -231,16 +257,22 @@ def findings(results: Results) -> Findings:
     whole = grid and known == len(results)
     how = "exact for this full grid of" if whole else "estimated from"
     words = results.columns["verdict"]
+    alone = {
+        key: Explained(explained(values, off, whole), explained(values, lost, grid))
+        for key, values in columns
+    }
     whys = (NUMBER.sub("...", str(s)) for s in results.columns["status"] if s != "ok")
     return Findings(
         points=len(results),
         prediction=results.prediction,
         classes=results.counts,
-        explained={
-            key: Explained(explained(values, off, whole), explained(values, lost, grid))
-            for key, values in columns
-        },
+        explained=alone,
         reasons=dict(Counter(whys).most_common(PRINTED_REASONS)),
         verdicts={"arrived": 0, **Counter(str(word) for word in words if word)},
-        method=f"{VARIANCES}: {how} {known} points" if columns[1:] else ALONE,
+        method=f"{VARIANCES}; {how} {known} points" if columns[1:] else ALONE,
+        together=Explained(
+            _left([one.departure for one in alone.values()]) if whole else None,
+            _left([one.falls for one in alone.values()]) if grid else None,
+        ),
+        judge="" if results.judge == results.prediction else results.judge,
     )

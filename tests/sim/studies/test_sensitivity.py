@@ -1,5 +1,7 @@
 """Which settings matter, on functions whose Sobol indices are known."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -45,6 +47,20 @@ def test_a_study_of_a_full_grid_is_exact_and_says_so(lost):
         assert found.method.endswith("exact for this full grid of 15 points")
         shares = [found.explained[key].departure for key in "ab"]
         assert shares == pytest.approx([0.25, 0.75])  # variances 2/3 and 2
+        assert found.together.departure == pytest.approx(0.0, abs=1e-12)
+
+
+def test_what_only_settings_together_explain_is_told_of_a_full_grid():
+    a, b = (axis.ravel() for axis in np.meshgrid(np.arange(2), np.arange(2)))
+    columns = {
+        "point": [*range(4)], "a": a.tolist(), "b": b.tolist(), "status": ["ok"] * 4,
+        "verdict": ["arrived"] * 4, "path_length": [1.0] * 4,
+        "distance_walked": [1.0] * 4, "error.ideal.farthest": [0.01, 0.1, 0.1, 0.01],
+    }  # fmt: skip
+    found = findings(Results(columns, ("a", "b"), "ideal"))
+    assert [found.explained[key].departure for key in "ab"] == [0.0, 0.0]
+    assert found.together.departure == 1.0
+    assert re.search(r"^several together +100% +-$", str(found), re.MULTILINE)
 
 
 def test_a_setting_that_does_nothing_explains_nothing():
