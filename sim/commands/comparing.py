@@ -32,7 +32,9 @@ def compare(options: argparse.Namespace) -> None:
         what = "a single run cannot be compared"
         newest = " ".join(map(str, reversed(cli.runs_in(Path(options.runs[0]))[:2])))
         two = f"write stratawalk compare {newest}" if " " in newest else ""
-        raise UsageError(what, options.runs[0], two or "give two or more, or use show")
+        raise UsageError(
+            what, options.runs[0], two or "give two or more, or stratawalk show RUN"
+        )
     if options.out is not None and Path(options.out).suffix not in (".html", ".htm"):
         where = f"--out {options.out}"
         raise UsageError("not a page's name", where, "give a name in .html")

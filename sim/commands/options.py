@@ -34,7 +34,8 @@ def scenario_of(options: argparse.Namespace) -> Scenario:
     from sim.scenarios.file import load_scenario, shipped_scenarios
 
     source = options.scenario
-    known = source in shipped_scenarios() or Path(source).exists()
+    of_robot = Path(source).suffix in (".xml", ".urdf")
+    known = source in shipped_scenarios() or (Path(source).exists() and not of_robot)
     if not known and (meant := command_for(source)):
         raise UsageError(f"{source!r} is no scenario", "SCENARIO", f"try {meant}")
     overrides, given = settings_of(options), given_settings(options)
@@ -58,6 +59,8 @@ def command_for(name: str, robots: str = "run") -> str:
     meant |= {name: f"plan {name}" for name in SYSTEMS}
     meant |= {name: f"{robots} line --robot {name}" for name in shipped_robots()}
     meant |= GUESSES["names"]
+    if Path(name).suffix in (".xml", ".urdf"):
+        meant[name] = f"run line --robot {name}"
     return f"stratawalk {meant[name]}" if name in meant else ""
 
 

@@ -26,6 +26,7 @@ EPILOG = (
 OPTIONS = ("-h", "--help", "--version")  # that need no command
 SAME = {"version": "--version", "-V": "--version"}
 PLACE = "stratawalk"
+SWEPT = "for a sweep, list values in a file under [grid], as docs/sweeps.md shows"
 
 
 class Parser(argparse.ArgumentParser):
@@ -49,6 +50,11 @@ class Parser(argparse.ArgumentParser):
         namespace: argparse.Namespace | None = None,
     ) -> tuple[argparse.Namespace, list[str]]:
         """Parse, and refuse what no command line of this command has."""
+        own = [name for action in self._actions for name in action.option_strings]
+        words = list(args or ()) if self._subparsers is None else []
+        for place, word in enumerate(words):  # before what is missing is asked for
+            if word.startswith("--") and word.partition("=")[0] not in [*own, "--"]:
+                _refuse_option(word, words[place + 1 :], self.prog, own)
         given, rest = super().parse_known_args(args, namespace)
         for begun in getattr(given, "set", ()):
             if "=" not in begun and rest:
@@ -57,11 +63,9 @@ class Parser(argparse.ArgumentParser):
             if "=[" in begun and "]" not in begun:
                 remedy = "put quotes around a list: --set 'path.goal=[0, 0.05, 0]'"
                 raise UsageError(f"{begun} is not closed", "--set", remedy)
-        own = [name for action in self._actions for name in action.option_strings]
         for place, word in enumerate(rest):
             if word.startswith("-"):
-                known = [name for name in own if name.startswith("--")]
-                _refuse_option(word, rest[place + 1 :], self.prog, known)
+                _refuse_option(word, rest[place + 1 :], self.prog, own)
             self._refuse_word(word)
         return given, rest
 
@@ -72,6 +76,8 @@ class Parser(argparse.ArgumentParser):
         called = GUESSES["choices"].get(word, word)
         taken = {"robot": shipped_robots(), "set": [word] * ("=" in word)}
         for action in self._actions:
+            if f"--{word}" in action.option_strings:
+                raise UsageError(f"{word!r} stands alone", self.prog, f"write --{word}")
             choices = action.choices or taken.get(action.dest, ())
             if action.option_strings and called in map(str, choices):
                 meant = f"write {action.option_strings[-1]} {called}"
@@ -196,7 +202,8 @@ def _refuse_option(
     name = option.lstrip("-").replace("-", "_")
     settings = [f"--{key}" for key in SETTINGS if "--set" in known]
     given = value if equals else " ".join(rest[:1]) or "VALUE"
-    words = {"goal": goal_setting([value, *rest]), "value": given}
+    one = "1" if given == "VALUE" else given
+    words = {"goal": goal_setting([value, *rest]), "value": one}
     remedy = GUESSES["options"].get(name, "").format_map(words)
     if remedy.startswith("write --") and remedy.split()[1] not in known:
         remedy = ""
@@ -206,13 +213,22 @@ def _refuse_option(
             and option in " ".join(declared.get("options", ())).split()
         ):
             remedy = remedy or f"stratawalk {command} takes it"
-    named = [f"--{key}" for key in _settings_named(name) if settings]
-    near = partial(get_close_matches, f"--{name}", [*known, *settings], n=1)
-    nearest = near(cutoff=0.8) or named or near(cutoff=0.7)
-    if not remedy and nearest and nearest[0] not in known:
-        remedy = f"write --set {_given(nearest[0][2:], given)}"
-    remedy = remedy or did_you_mean(option, known)
-    raise UsageError(f"unknown option {option}", where, remedy)
+    if not remedy and name in SETTINGS and not settings:
+        one = _given(name, given.partition(",")[0])
+        remedy = f"set it where it is walked, stratawalk run line --set {one}; {SWEPT}"
+    named = [key for key in _settings_named(name) if settings]
+    options = [key.lstrip("-") for key in (*known, *settings)]
+    near = partial(get_close_matches, name.replace("_", "-"), options, n=1)
+    begun = [key for key in options if name and key.startswith(name)]
+    nearest = near(cutoff=0.8) or named or begun or near(cutoff=0.7)
+    if nearest and f"--{nearest[0]}" not in known:
+        key, *_ = nearest
+        item = SETTINGS[key]
+        remedy = remedy or f"write --set {_given(key, given)} ({item.allowed})"
+    elif nearest:
+        remedy = remedy or f"did you mean '--{nearest[0]}'?"
+    listed = f"{where} --help lists all options"
+    raise UsageError(f"unknown option {option}", where, remedy or listed)
 
 
 def completion(options: argparse.Namespace) -> None:
