@@ -1,15 +1,8 @@
-"""Captions of a film: clock, stratum, contacts, margin, errors, scales and cards.
-
-The inset shows the error of the body's position off each prediction, magnified for
-itself, so that a small error is seen beside a large one. Errors are turned with the
-picture: right is right in the film.
-"""
+"""Captions of a film: clock, stratum, contacts, margin, errors, scales and cards."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -19,11 +12,11 @@ from planner import Array
 from sim import palette
 from sim.evaluation.flows import WalkedPhase
 from sim.evaluation.quantities import ACHIEVED, OF_ROWS, OF_WALKS
-from sim.motion.poses import spaced_rows
 from sim.palette import Colour
 from sim.pictures.camera import HEIGHT, WIDTH, Camera
 from sim.pictures.clock import Clock
 from sim.pictures.ghost import ghost_of
+from sim.pictures.inset import inset
 from sim.pictures.legend import (
     EDGE,
     LARGE,
@@ -56,26 +49,24 @@ RESULTS = (
     "predicted.*.slip",
     "predicted.*.min_margin",
 )
+SLIPPING = [  # where feet slip farther than the path is long
+    "This is normal. Slip is summed over all feet, while the body goes back and forth,",
+    "and a foot that stands slides with every stroke, as its leg has but two joints.",
+]
 VERBS = {  # of a group in the air, of one on the ground
     "hold": ("wait{s} in the air", "stand{s}"),
     "swing": ("swing{s} in the air", "swing{s} the body"),
     "lift": ("lift{s}", "lift{s}"),
     "land": ("land{s}", "land{s}"),
 }
-TOP, BOX, APART = 60, 128, 16  # of the inset: words above a plot, its side, the next
-PLOTS = 2
-DOT, CROSS = 4, 5  # of the present error, and of no error [pixels]
-TRAIL_STEP = 1.0  # between points of a trail [pixels]
-FILL = 0.92  # of half the plot, at most, for the largest error
-NOTHING = 1e-9  # [m], below which an error is rounding
-DIGITS = np.array([1.0, 2.0, 5.0])
 
 
 class Captions:
     """Writes on the pictures of one film, and draws its two cards."""
 
     def __init__(self, walk: Run, clock: Clock, view: Camera) -> None:
-        key, scale = legend(walk), scale_bar(view, walk.reach)
+        key = legend(walk, 1 / (view.pixel * view.distance))
+        scale = scale_bar(view, walk.reach)
         error = inset(walk, view, key.bottom + GAP)
         self._panels = (key, scale, error, _bar(walk, clock.playback))
         self._walk, self._clock = walk, clock
@@ -113,7 +104,10 @@ def _results(walk: Run) -> list[str]:
         if q.key in RESULTS and (value := q.value(summary, ACHIEVED)) is not None
     ]
     said = head.removeprefix(summary.verdict).lstrip(": ")
-    return [f"{walk.scenario.name}: {summary.verdict}", said, *further, "", *found]
+    normal = summary.verdict == "arrived" and not walk.scenario.motion
+    why = SLIPPING if normal and summary.achieved.slip > summary.path_length else []
+    title = f"{walk.scenario.name}: {summary.verdict}"
+    return [title, said, *further, "", *found, *why]
 
 
 def _card(lines: Sequence[str], behind: Array) -> Array:
@@ -204,85 +198,3 @@ def scale_bar(
     for x in (left, right):
         draw.line((x, y - TICK, x, y + TICK), palette.TEXT, 3)
     return Panel(EDGE, bottom - SCALE, still, lambda draw, row: None)
-
-
-@dataclass(frozen=True)
-class Trail:
-    """The departure from one prediction in the course of a walk, and its plot."""
-
-    colour: Colour
-    error: Array  # to the right and up in the picture, (T, 2) [m]
-    scale: float  # pixels to a metre
-    left: int  # of the plot [pixels]
-
-    @cached_property
-    def rows(self) -> Array:
-        """Rows at which the trail has come another step farther."""
-        return spaced_rows(self.error, TRAIL_STEP / self.scale)
-
-    @cached_property
-    def points(self) -> list[tuple[float, float]]:
-        """Where those are in the panel."""
-        return [self.place(error) for error in self.error[self.rows]]
-
-    def place(self, error: Sequence[float] | Array = (0.0, 0.0)) -> tuple[float, float]:
-        """Where an error is in the panel, or where there is none [pixels]."""
-        middle = (self.left + BOX / 2, TOP + BOX / 2)
-        x, y = middle + np.asarray(error) * self.scale * (1, -1)
-        return float(x), float(y)
-
-    def put(self, draw: Draw, row: int) -> None:
-        """Draw the trail up to a row, its end as a dot, and its length in words."""
-        past = self.points[: int(np.searchsorted(self.rows, row, side="right"))]
-        x, y = self.place(self.error[row])
-        draw.line([*past, (x, y)], self.colour.tint(0.6), 1)
-        draw.ellipse((x - DOT, y - DOT, x + DOT, y + DOT), self.colour)
-        size = f"{1000 * np.hypot(*self.error[row]):.2f}"
-        text(draw, (self.left + BOX, TOP + BOX + 4), size, anchor="ra")
-
-    def draw_scale(self, draw: Draw) -> None:
-        """A cross where there is no error, and a ring at a round distance from it."""
-        (x, y), ring = self.place(), _greatest_round(BOX / 2 * FILL / self.scale)
-        left, radius = self.left, ring * self.scale
-        draw.rectangle((left, TOP, left + BOX, TOP + BOX), None, palette.GRID, 1)
-        around = (x - radius, y - radius, x + radius, y + radius)
-        draw.ellipse(around, None, palette.FAINT, 1)
-        draw.line((x - CROSS, y, x + CROSS, y), palette.FAINT, 1)
-        draw.line((x, y - CROSS, x, y + CROSS), palette.FAINT, 1)
-        text(draw, (left, TOP + BOX + 4), f"ring {1000 * ring:g}", colour=palette.FAINT)
-
-
-def inset(walk: Run, view: Camera, top: int) -> Panel:
-    """The panel of errors, whose upper edge is at `top` [pixels]."""
-    floor = 1 / (view.pixel * view.distance)  # pixels to a metre, about
-    still, draw = empty(2 * PAD + PLOTS * BOX + APART, TOP + BOX + 28)
-    text(draw, (PAD, 8), "error of the body's position [mm]", colour=palette.FAINT)
-    angle = np.radians(view.azimuth.mean())
-    right, away = (np.sin(angle), -np.cos(angle)), (np.cos(angle), np.sin(angle))
-    trails = []
-    for i, (name, poses) in enumerate([*walk.drawn.items()][:PLOTS]):
-        error = np.nan_to_num((walk.achieved - poses)[:, :2])
-        error, left = error @ np.transpose([right, away]), PAD + i * (BOX + APART)
-        factor = magnification(float(np.hypot(*error.T).max()), BOX / 2 * FILL / floor)
-        trail = Trail(palette.PREDICTED[name].colour, error, factor * floor, left)
-        label = PREDICTIONS[name].label if name in PREDICTIONS else name
-        text(draw, (left, 32), f"{label}, {factor:g}x", colour=trail.colour)
-        trail.draw_scale(draw)
-        trails.append(trail)
-
-    def write(draw: Draw, row: int) -> None:
-        for trail in trails:
-            trail.put(draw, row)
-
-    return Panel(EDGE, top, still, write)
-
-
-def magnification(largest: float, room: float) -> float:
-    """The greatest round factor that fits the largest error into a room [m]."""
-    return _greatest_round(room / max(largest, NOTHING))
-
-
-def _greatest_round(most: float) -> float:
-    """The greatest of 1, 2, 5 times a power of ten that is not above a number."""
-    power = 10.0 ** np.floor(np.log10(most))
-    return float(power * DIGITS[power * DIGITS <= most * (1 + 1e-9)].max())

@@ -10,7 +10,7 @@ import numpy as np
 from models.description import root_body
 from planner import Array
 from sim import palette
-from sim.motion.poses import rotate
+from sim.motion.poses import rotate, wrap
 from sim.palette import GHOST, GHOST_TORSO
 from sim.runs.run import Run
 
@@ -68,6 +68,12 @@ def _moved(qpos: Array, address: int, pose: Array, to: Array) -> Array:
 def ghost_of(walk: Run) -> str:
     """The prediction whose robot films show, the simplest that there is."""
     return next(name for name in walk.drawn if name in walk.predicted)
+
+
+def farthest_ghost(walk: Run) -> float:
+    """How far its feet come from those of the robot, at most [m]."""
+    off = walk.achieved - walk.predicted[ghost_of(walk)]
+    return float((np.hypot(*off[:, :2].T) + walk.reach * np.abs(wrap(off[:, 2]))).max())
 
 
 def body_corners(model: mujoco.MjModel, root: int) -> Array:

@@ -14,7 +14,7 @@ from PIL import Image, ImageDraw, ImageFont
 from planner import Array
 from sim import palette
 from sim.palette import NOMINAL, PREDICTED, Colour
-from sim.pictures.ghost import ghost_of
+from sim.pictures.ghost import farthest_ghost, ghost_of
 from sim.pictures.marks import contour_step
 from sim.runs.run import Run
 
@@ -26,6 +26,7 @@ LARGE, MIDDLE, SMALL = 28, 22, 16  # type [pixels]
 LINE, SWATCH = 25, 34  # height of a line, width of its sample [pixels]
 NOSE = "nose"  # geom on the front of the shipped robots
 ENTRIES, WIDE = 6, 304  # lines; width [pixels]
+SEEN = 4  # beside the robot's legs, at least, of a ghost in the key [pixels]
 TITLE = 86  # height of what is above the lines [pixels]
 NOUNS = {1: "leg", 2: "pair", 3: "tripod", 4: "tetrapod"}  # by legs in a group
 
@@ -103,9 +104,12 @@ def _font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
     return ImageFont.load_default(size)
 
 
-def legend(walk: Run) -> Panel:
-    """The panel at the top left: the walk, and the meaning of the colours."""
-    scenario, lines, room = walk.scenario, _lines(walk), WIDE - 2 * PAD
+def legend(walk: Run, scale: float) -> Panel:
+    """The panel at the top left: the walk, and the meaning of the colours.
+
+    The scale of the picture [pixels/m] decides whether the ghost is ever seen.
+    """
+    scenario, lines, room = walk.scenario, _lines(walk, scale), WIDE - 2 * PAD
     way = "played" if scenario.motion else f"{scenario.fields} fields"
     about = f"{Path(scenario.robot).stem}, {way}"
     still, draw = empty(WIDE, TITLE - 2 + LINE * len(lines))
@@ -150,10 +154,11 @@ def nose(walk: Run) -> Colour | None:
     return None
 
 
-def _lines(walk: Run) -> list[tuple[str, Colour, str]]:
+def _lines(walk: Run, scale: float) -> list[tuple[str, Colour, str]]:
     """Label, colour and kind of sample of every line of a film's legend."""
     labels = {name: PREDICTED[name].label for name in walk.drawn}
-    labels[ghost_of(walk)] += ", ghost"
+    if scale * farthest_ghost(walk) > SEEN:
+        labels[ghost_of(walk)] += ", ghost"
     around = ("floor swept over", palette.SWEPT, "block")
     thought = (palette.THOUGHT.label, palette.THOUGHT.colour, "ring")
     bumps = f"contours, {1000 * contour_step(walk):.3g} mm"

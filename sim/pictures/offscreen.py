@@ -23,7 +23,7 @@ from sim.palette import Colour
 from sim.pictures.camera import FIELD_OF_VIEW, HEIGHT, WIDTH, Camera
 from sim.pictures.drawing import Drawing, Mark
 from sim.pictures.ghost import Ghost, body_corners, ghost_of
-from sim.pictures.legend import text
+from sim.pictures.legend import NOSE, text
 from sim.runs.run import Run
 
 SUN = np.array([-0.25, 0.35, -1.0])  # direction of the direct light
@@ -231,7 +231,9 @@ def build(walk: Run, marks: Sequence[Mark], look: Look) -> mujoco.MjModel:
     visual.map.znear = NEAREST
     spec.stat.extent = EXTENT * walk.reach
     model = spec.compile()
-    for geom in np.flatnonzero(model.geom_bodyid == root_body(model, walk.model_file)):
+    plate = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_GEOM, NOSE)
+    torso = np.flatnonzero(model.geom_bodyid == root_body(model, walk.model_file))
+    for geom in torso[torso != plate]:
         if (material := model.geom_matid[geom]) >= 0:
             model.geom_rgba[geom] = model.mat_rgba[material]
         model.geom_rgba[geom, :3] += PALER * (1 - model.geom_rgba[geom, :3])

@@ -4,23 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from PIL import ImageDraw
 
 from sim import palette
 from sim.pictures.camera import HEIGHT, VIEWS, WIDTH, camera, view_of
-from sim.pictures.captions import (
-    APART,
-    BOX,
-    FILL,
-    SCALE,
-    TOP,
-    Captions,
-    _results,
-    inset,
-    magnification,
-    scale_bar,
-)
+from sim.pictures.captions import SCALE, SLIPPING, Captions, _results, scale_bar
 from sim.pictures.clock import clock
-from sim.pictures.legend import ENTRIES, PAD, _lines, nose
+from sim.pictures.ghost import farthest_ghost
+from sim.pictures.inset import APART, BOX, FILL, RIM, TIP, TOP, inset, magnification
+from sim.pictures.legend import ENTRIES, PAD, SEEN, _lines, nose
 from sim.pictures.marks import cell, grid
 from sim.pictures.run_film import is_held
 from sim.runs.run import read_run
@@ -98,14 +90,47 @@ def test_the_scale_bar_is_as_long_as_what_lies_at_its_place(walk, view):
 
 
 def test_the_key_has_six_entries_at_most(walk):
-    assert [label for label, _, _ in _lines(walk)] == [
-        "nominal path, goal", "ideal prediction, ghost", "compliant prediction",
+    assert [label for label, _, _ in _lines(walk, scale=1.0)] == [
+        "nominal path, goal", "ideal prediction", "compliant prediction",
         "achieved path", "support, centre of mass", "footprints, fading",
     ]  # fmt: skip
     beside = replace(walk, settings={**walk.settings})
     beside.__dict__["thought"] = (walk.nominal[:2, :2],)
-    assert len(_lines(beside)) == ENTRIES == 6
+    assert len(_lines(beside, scale=1.0)) == ENTRIES == 6
     assert nose(walk) == (242, 140, 38)  # of the file, 0.95 0.55 0.15
+
+
+def test_the_key_has_a_ghost_only_where_it_is_seen_beside_the_robot(walk):
+    off = farthest_ghost(walk)
+    unseen, seen = (_lines(walk, share * SEEN / off)[1][0] for share in (0.99, 1.01))
+    assert (unseen, seen) == ("ideal prediction", "ideal prediction, ghost")
+
+
+@pytest.mark.parametrize(("more", "told"), [(1.01, True), (0.99, False)])
+def test_the_last_card_says_why_feet_slip_farther_than_the_path_is_long(
+    walk, more, told
+):
+    achieved = replace(walk.summary.achieved, slip=more * walk.summary.path_length)
+    other = replace(walk)
+    summary = replace(walk.summary, achieved=achieved, verdict="arrived")
+    other.__dict__["summary"] = summary
+    assert (_results(other)[-2:] == SLIPPING) == told
+
+
+def test_the_inset_points_ahead_as_the_body_does_in_the_picture(walk, view):
+    turned, angle = walk.achieved.copy(), np.radians(view.azimuth.mean())
+    still = inset(walk, view, 100).still
+    other = replace(walk)
+    other.__dict__["achieved"] = turned
+    middle = np.array([PAD + BOX / 2, TOP + BOX / 2])
+    for yaw, way in ((angle - np.pi / 2, (1, 0)), (angle, (0, -1))):
+        turned[:, 2] = yaw  # to the right, and away
+        panel = inset(other, view, 100)
+        drawn = panel.still.copy()
+        panel.write(ImageDraw.Draw(drawn), 0)
+        x, y = (middle + (RIM - TIP / 2) * np.array(way)).astype(int).tolist()
+        assert drawn.getpixel((x, y))[:3] == palette.TEXT
+        assert still.getpixel((x, y))[:3] != palette.TEXT
 
 
 def test_cards_say_what_is_walked_and_what_came_of_it(walk, film, view):

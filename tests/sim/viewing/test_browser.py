@@ -126,7 +126,7 @@ def test_a_replay_is_one_file_that_asks_nothing_of_the_network(folder, tmp_path)
     assert page.stat().st_size < 5e6
     assert set(re.findall(r"https?://[\w./-]+", text)) <= {"http://www.w3.org/2000/svg"}
     assert "<title>short, a replay</title>" in text
-    assert "<summary>short, 60 times real time</summary>" in text
+    assert "<summary>short; 1x is 60 times as fast as the robot</summary>" in text
     assert text.count("their footprints are paler</div>") == 2
     watch(page.as_uri(), tmp_path, shows_a_robot)
 
