@@ -97,13 +97,13 @@ THOUGHT = PathMark("estimated pose", Colour(15, 0, 225), 0.004, 0.7)
 PREDICTED: Mapping[str, PathMark] = {
     "ideal": PathMark("ideal prediction", Colour(176, 96, 0), 0.006, 0.7),
     "quasi_static": PathMark(
-        "quasi-static prediction", Colour(128, 34, 190), 0.006, 0.8, (4.0, 1.5)
+        "quasi-static prediction", Colour(128, 34, 190), 0.006, 0.8, (2.5, 1.2)
     ),
     "identified": PathMark(
         "identified prediction", Colour(28, 168, 237), 0.006, 0.8, (1.0, 1.0)
     ),
     "compliant": PathMark(
-        "compliant prediction", Colour(210, 29, 195), 0.006, 0.8, (6.0, 1.2)
+        "compliant prediction", Colour(210, 29, 195), 0.006, 0.8, (11.0, 2.0)
     ),
     "measured": PathMark(
         "measured path", Colour(117, 5, 121), 0.006, 1.6, (5.0, 1.0, 1.0, 1.0)

@@ -115,6 +115,10 @@ def draw(run: Run, found: Sequence[Mapping[str, Any]], path: Path) -> None:
     figure = Figure(figsize=(8.5, 6.0), layout="constrained")
     axes = figure.add_subplot(aspect="equal")
     axes.plot(*feet.T, "o", color=palette.OUTLINE.hex)
+    for number, foot in zip(run.legs, feet.tolist(), strict=True):
+        name, place = f"leg {number}", "offset points"
+        axes.annotate(name, foot, (8, 0), textcoords=place, va="center")
+    axes.margins(0.2)
     for row in (row for row in ranked if _kind(row) in colours):
         leg = str(row["what"]).rpartition("leg ")[2]
         own = feet[run.legs.index(int(leg))] if leg.isdigit() else np.zeros(2)

@@ -41,13 +41,13 @@ class Key:
 
     label: str
     colour: str
-    dashed: bool = False
+    dashes: tuple[float, ...] = ()  # of dash and gap, in widths of the line
     filled: bool = False
 
     @classmethod
     def of(cls, mark: palette.PathMark, label: str) -> Key:
         """The entry of a path under a label of this drawing."""
-        return cls(label, mark.colour.hex, dashed=bool(mark.dashes))
+        return cls(label, mark.colour.hex, mark.dashes)
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,16 @@ import numpy as np
 from planner import Array
 from sim.evaluation.quantities import ROWS
 from sim.motion.poses import length_up_to, rotate, spaced_rows
-from sim.palette import ACHIEVED, NOMINAL, OBSTACLE, PREDICTED, RUNS, THOUGHT, Style
+from sim.palette import (
+    ACHIEVED,
+    NOMINAL,
+    OBSTACLE,
+    PREDICTED,
+    RUNS,
+    THOUGHT,
+    PathMark,
+    Style,
+)
 from sim.reports.drawing import (
     Drawing,
     Key,
@@ -33,7 +42,9 @@ SPACING = 1 / 600  # of a path's extent, between its points
 HEIGHTS = (1.8, 4.2)  # [in]
 ERROR_HEIGHT = 1.75  # [in]
 WAYS = ("along", "across")
-DASHES: Sequence[object] = ("-", (0, (4, 1.5)), (0, (1, 1)))
+DASHES: Sequence[tuple[float, ...]] = ((), (4.0, 1.5), (1.0, 1.0))
+ARROWS, TURNED = 8, 0.1  # at most, on a path that turns by more [rad]
+FRONT = " Arrows point where the front of the body points."
 NOTE = (
     "The ring is the goal. A body that brackets move, sideways for example, leaves the "
     "nominal path: it goes forward and back, as one parks a car."
@@ -59,7 +70,20 @@ def plan_view(run: Run) -> Drawing:
         if run.thought:
             keys.append(Key.of(THOUGHT, f"{THOUGHT.label}, 90 % sure"))
         note = "" if run.scenario.motion else NOTE
+        if np.ptp(np.unwrap(run.nominal[:, 2])) > TURNED:
+            note += FRONT
+            _draw_headings(axes, run)
         return finish(figure, "Path of the body's centre, x and y [mm]", keys, note)
+
+
+def _draw_headings(axes: Axes, run: Run) -> None:
+    """Arrows on the achieved path, where segments begin and at its end."""
+    poses = run.achieved[np.append(stretches(run), -1)]
+    every = np.linspace(0, len(poses) - 1, min(ARROWS, len(poses))).round().astype(int)
+    x, y, yaw = poses[every].T
+    look: Style = {"width": 0.008, "scale": 11, "zorder": 3}
+    ahead = np.cos(yaw), np.sin(yaw)
+    axes.quiver(MM * x, MM * y, *ahead, color=ACHIEVED.colour.hex, **look)
 
 
 def errors(run: Run) -> Iterator[Drawing]:
@@ -97,14 +121,11 @@ def best_of(runs: Iterable[Run]) -> str:
 def overlaid(runs: Sequence[tuple[str, Run]]) -> Iterator[Drawing]:
     """Achieved paths of several runs in one drawing, and how far off they are."""
     widths, looks = np.linspace(2.0, 0.8, len(runs)), cycle(product(DASHES, RUNS))
-    styles: list[Style] = [
-        {"color": colour.hex, "ls": dashes, "lw": width}
-        for width, (dashes, colour) in zip(widths, looks, strict=False)
+    marks = [
+        PathMark(name, colour, 0.0, width, dashes)
+        for (name, _), width, (dashes, colour) in zip(runs, widths, looks, strict=False)
     ]
-    names = [
-        Key(name, style["color"], dashed=style["ls"] != DASHES[0])
-        for (name, _), style in zip(runs, styles, strict=True)
-    ]
+    styles, names = [m.line() for m in marks], [Key.of(m, m.label) for m in marks]
     with sheet(_height([run for _, run in runs]), MAP_WIDTH) as (figure, axes):
         known = {k.label: k for _, run in runs for k in _draw_place(axes, run)}
         for (_, run), style in zip(runs, styles, strict=True):

@@ -34,6 +34,7 @@ MM, MRAD = 1e3, 1e3
 LIMIT = palette.LIMIT.hex
 STRATA = [palette.TEXT.tint(share).hex for share in (0.2, 0.35, 0.5, 0.65)]
 """Of strata on which several groups stand."""
+DASHED, DOTTED = (3.7, 1.6), (1.0, 1.65)  # as matplotlib draws -- and :
 PANEL_HEIGHT = 1.55  # [in]
 ROUNDING = 1e-9  # of the largest value
 COMB = 20  # segments, from which on curves look like combs
@@ -93,7 +94,7 @@ def _curves(
                 add_band(axes, edges, low, high, str(style["color"]))
         for height, (dashes, label) in (limits or {}).items():
             axes.axhline(height, color=LIMIT, ls=dashes, lw=1.0)
-            keys.append(Key(label, LIMIT, dashed=True))
+            keys.append(Key(label, LIMIT, DOTTED if dashes == ":" else DASHED))
         axes.set_xlim(run.time[0], run.time[-1])
         axes.set_ylim(bottom=bottom)
         return finish(figure, heading, keys, note)

@@ -15,7 +15,7 @@ return {
   headings: [...document.querySelectorAll("h2")].map((e) => e.textContent),
   columns: document.querySelectorAll("table")[0].rows[0].cells.length,
   first: [...document.querySelector("table").rows].map((e) => e.cells[0].textContent),
-  drawings: document.querySelectorAll("figure svg").length,
+  drawings: document.querySelectorAll("figure .drawing svg").length,
   width: document.documentElement.scrollWidth,
 };
 """

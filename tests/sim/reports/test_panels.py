@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from sim import palette
 from sim.reports import maps, panels, tables
 from sim.reports.drawing import extremes, extremes_between, stretches
 from sim.runs.run import read_run
@@ -64,6 +65,33 @@ def test_long_walks_have_bands_until_the_page_is_zoomed(walked, monkeypatch):
     assert [margin.count(f'class="{name}"') for name in ("band", "detail")] == [2, 2]
     slip = list(panels.panels(run))[3].svg  # which only rises, and is no comb
     assert "detail" not in slip
+
+
+def test_the_key_shows_the_dashes_of_every_prediction(walked):
+    run = read_run(walked)
+    off = next(panels.panels(run))
+    drawn = [palette.PREDICTED[name].dashes for name in run.compared]
+    assert [key.dashes for key in off.keys] == drawn
+    page = (walked / "report.html").read_text()
+    for dashes in filter(None, drawn):
+        lengths = " ".join(f"{2.4 * part}" for part in dashes)
+        assert f'stroke-dasharray="{lengths} "' in page
+
+
+def test_the_path_of_a_walk_that_turns_has_arrows_ahead(walked):
+    drawn = []
+    for turn in (0.3, 0.0):
+        run = read_run(walked)
+        nominal, achieved = run.nominal.copy(), run.achieved.copy()
+        for poses in (nominal, achieved):
+            poses[:, 2] = np.linspace(0.0, turn, len(poses))
+        run.__dict__.update(nominal=nominal, achieved=achieved)
+        drawn.append(maps.plan_view(run))
+    turned, straight = drawn
+    assert "Arrows point" in turned.note
+    assert "Arrows point" not in straight.note
+    arrows = turned.svg.count("<path ") - straight.svg.count("<path ")
+    assert arrows == min(maps.ARROWS, len(stretches(run)) + 1) > 1
 
 
 def test_the_reason_of_slip_is_given_where_it_was_foreseen(walked):

@@ -31,7 +31,7 @@ return {
   film: document.body.dataset.film,
   video: shown(document.querySelector("video")),
   missing: shown(document.getElementById("missing")),
-  drawings: document.querySelectorAll("figure svg").length,
+  drawings: document.querySelectorAll("figure .drawing svg").length,
   curves: document.querySelectorAll("figure svg path").length,
   width: document.documentElement.scrollWidth,
   window: innerWidth,

@@ -138,3 +138,5 @@ def test_kinds_of_change_in_the_picture_differ_in_colour(walked, tmp_path, monke
     said = [text.get_text() for text in legend.get_texts()]
     assert said == [f"1 mm: {kind}" for kind in kinds[:3:-1]]  # the farthest first
     assert len({line.get_color() for line in legend.get_lines()}) == len(said)
+    names = [text.get_text() for text in drawn[0].axes[0].texts]
+    assert [name for name in names if name] == [f"leg {n}" for n in LEGS]
