@@ -196,7 +196,7 @@ def blamed_on(place: Path, remedy: str = "") -> Iterator[None]:
     except Exception as error:
         if exit_code(error) is not ExitCode.BUG:
             raise
-        what = f"its files do not fit together, {type(error).__name__}: {error}"
+        what = "its files do not fit together, where --debug says"
         again = f"walk it again: stratawalk run {place / 'scenario.toml'}"
         raise UsageError(what, str(place), remedy or again) from error
 

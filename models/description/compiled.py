@@ -201,6 +201,8 @@ def one_line(what: str, *remedy: str) -> Iterator[None]:
         reason = " ".join(str(error).split()).partition(" The static bodies of")[0]
         reason = NOT_XML.sub(r"no XML, line \2 of \1", reason)
         reason = reason.replace(f" of '{what.partition(': ')[2]}'", "")
+        if reason.startswith("Could not read '"):
+            reason = "there is no XML in it"
         if MASSLESS in reason:
             remedy = (HEAVY,)
         raise ModelError("; ".join((what, reason, *remedy))) from error

@@ -57,7 +57,7 @@ def sweep(options: argparse.Namespace) -> ExitCode:
         if first is None:
             first = done  # which count for no pace
             if not options.json:
-                print(f"{count} points, {done} of them done before", flush=True)
+                print(f"{_points(count)}, {done} of them done before", flush=True)
         about = f"points, {done} of {count} done, {failed} failed"
         progress(about, (done - first) / max(count - first, 1))
 
@@ -86,15 +86,19 @@ def _print_result(
     cli.report(
         options,
         asdict(result) | {"table": str(table)},
-        f"{result.points} points, {result.walked} walked now, {result.failed} failed",
+        f"{_points(result.points)}, {result.walked} walked now, {result.failed} failed",
         ", ".join(f"{word} {count}" for word, count in result.verdicts.items()),
         *(f"{count:6}  {reason}" for reason, count in shown),
         f"{'table':8}{table}\n{'next':8}stratawalk study {table.parent}",
     )
     if result.failed and not options.json:
-        line = f"{result.failed} of {result.points} points failed"
+        line = f"{result.failed} of {_points(result.points)} failed"
         cli.notice(f"{line}: {table}; the column status says why", "error")
     return ExitCode.SWEEP if result.failed else ExitCode.OK
+
+
+def _points(count: int) -> str:
+    return f"{count} point{'' if count == 1 else 's'}"
 
 
 def study(options: argparse.Namespace) -> None:

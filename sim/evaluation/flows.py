@@ -44,6 +44,8 @@ def read(text: str) -> tuple[WalkedPhase, ...]:
         WalkedPhase(*(kind(row[key]) for key, kind in KINDS.items()))
         for row in csv_rows(text, "flows.csv")
     )
+    if not phases:
+        raise ValueError("flows.csv lists no phase")
     numbers = [number for p in phases for number in (p.start, p.end, p.amount, p.slip)]
     if not all(map(isfinite, numbers)):
         raise ValueError("flows.csv has a number that is not finite")

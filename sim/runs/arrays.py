@@ -128,7 +128,13 @@ def plain_json(text: bytes) -> dict[str, Any]:
             return value
         raise ValueError(f"{text} is not a number below {LARGEST:g}")
 
-    return json.loads(text, parse_float=number, parse_constant=number)
+    try:
+        table = json.loads(text, parse_float=number, parse_constant=number)
+    except json.JSONDecodeError as error:
+        raise ValueError(f"summary.json is no JSON, line {error.lineno}") from error
+    if not isinstance(table, dict):
+        raise ValueError("summary.json holds no table")
+    return table
 
 
 @contextmanager
@@ -153,6 +159,8 @@ def reading(folder: Path) -> Iterator[None]:
         raise
     except UNREADABLE as error:
         why: object = f"it lacks {error}" if isinstance(error, KeyError) else error
+        if isinstance(error, zipfile.BadZipFile | zlib.error):
+            why = "its arrays, trajectory.npz or commands.npz, are damaged"
         why = getattr(error, "strerror", None) or why
         place = getattr(error, "filename", None) or folder
         what = f"not a finished run, {' '.join(str(why).split())}"

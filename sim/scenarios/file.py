@@ -90,6 +90,9 @@ def scenario_from(
         what = "a system of strata is no scenario"
         raise UsageError(what, where, "use the commands plan and check on it")
     for key in values:
+        if key == "scenario":
+            remedy = f"stratawalk sweep {where} --out sweeps/{Path(where).stem}"
+            raise UsageError("a sweep and no scenario", where, remedy)
         if key not in KEYS:
             near = did_you_mean(CALLED.get(key, key), KEYS)
             raise UsageError(f"unknown key {key!r}", where, near)

@@ -98,8 +98,8 @@ class About:
             what = f"cannot be read, {error.strerror}"
             raise FilesError(what, str(path), "choose another folder") from error
         except UNREADABLE as error:
-            what = f"not as a sweep wrote it, {type(error).__name__} {error}"
-            raise UsageError(what, str(path), "choose another folder") from error
+            remedy = "choose another folder"
+            raise UsageError("not as a sweep wrote it", str(path), remedy) from error
 
     @property
     def sweep(self) -> Sweep:

@@ -61,14 +61,18 @@ def read_table(path: Path) -> tuple[dict[str, list[object]], dict[str, Any]]:
         sizes.append((declared.serialized_size, "BYTE_ARRAY"))
         size = sum(n * (TEXT if kind == "BYTE_ARRAY" else 1) for n, kind in sizes)
         if size > UNPACKED or declared.num_rows * declared.num_columns > MOST_VALUES:
-            count = f"{declared.num_rows} rows of {declared.num_columns} columns"
+            count = f"{declared.num_rows} x {declared.num_columns} values"
             raise ValueError(f"{count} with {size / 1e9:.2g} GB are too many")
         texts = [f.name for f in parquet.read_schema(path) if f.type == pa.string()]
         table = parquet.read_table(path, read_dictionary=texts)
         about = json.loads(table.schema.metadata[ABOUT.encode()])
         columns = {name: _values(table[name]) for name in table.column_names}
     except (pa.ArrowException, OSError, *UNREADABLE) as error:
-        what = f"not the table of a sweep, {str(error).partition('. ')[0]}"
+        why = str(error).partition(". ")[0]
+        if isinstance(error, pa.ArrowException | OSError):
+            damaged = "it is damaged, or no Parquet file"
+            why = getattr(error, "strerror", None) or damaged
+        what = f"not the table of a sweep, {why}"
         remedy = "give the table that `stratawalk sweep` has written"
         raise UsageError(what, str(path), remedy) from error
     return columns, about

@@ -269,11 +269,11 @@ FOREIGN = {
     "no settings": (foreign({"x": [1]}), "varies, friction, point, status"),
     "too many values": (
         foreign({str(i): pa.nulls(10**5) for i in range(401)}),
-        "100000 rows of 401 columns with ",
+        "100000 x 401 values with ",
     ),
     "a thousand times its size": (
         foreign({"x": ["x" * 3 * 10**5]}),
-        "1 rows of 1 columns with 0.0015 GB are too",
+        "1 x 1 values with 0.0015 GB are too",
     ),
     "much that it comes from": (foreign({"x": [1]}, more="x" * 3 * 10**5), "too many"),
     "depths that it comes from": (
