@@ -5,7 +5,8 @@ import re
 import numpy as np
 import pytest
 
-from sim.studies.results import Results, explained, findings, group
+from sim.studies.results import Results, explained, findings, group, read_results
+from sim.sweeps.table import write_table
 
 RNG = np.random.default_rng(16)
 
@@ -90,3 +91,22 @@ def test_many_values_make_groups_of_a_dozen_in_order():
     groups = group(np.linspace(0, 1, 96).tolist())
     assert (np.diff(groups) >= 0).all()
     assert np.bincount(groups).tolist() == [12] * 8
+
+
+def test_walks_are_compared_with_the_prediction_that_their_verdicts_are_by(tmp_path):
+    rows = [
+        {
+            "point": number, "friction": 0.1 * number, "status": "ok",
+            "verdict": "arrived", "path_length": 0.1, "distance_walked": 1.0,
+            "weighed.prediction": "compliant", "error.compliant.farthest": 0.0005,
+            "error.quasi_static.farthest": 0.01,
+        }
+        for number in range(3)
+    ]  # fmt: skip
+    asked = {"vary": {"friction": []}, "scenario": {"name": "line"}, "set": {}}
+    about = {"asked": asked, "software": {}}
+    write_table(tmp_path / "table.parquet", rows, about)
+    same, other = (findings(read_results(tmp_path, p)) for p in ("", "quasi_static"))
+    assert same.classes["within 1 %"] == other.classes["within 10 %"] == 3
+    assert "\nverdicts: arrived 3\n" in str(same)
+    assert "\nverdicts, by the compliant prediction: arrived 3\n" in str(other)

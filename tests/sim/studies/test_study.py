@@ -54,24 +54,6 @@ def test_points_are_sorted_by_how_well_the_prediction_holds(folder):
     assert results.classes.tolist() == [0, 1, 2, 3, 4, 5]
 
 
-def test_walks_are_compared_with_the_prediction_that_their_verdicts_are_by(tmp_path):
-    rows = [
-        {
-            "point": number, "friction": 0.1 * number, "status": "ok",
-            "verdict": "arrived", "path_length": 0.1, "distance_walked": 1.0,
-            "weighed.prediction": "compliant", "error.compliant.farthest": 0.0005,
-            "error.quasi_static.farthest": 0.01,
-        }
-        for number in range(3)
-    ]  # fmt: skip
-    asked = ASKED | {"vary": {"friction": []}}
-    write_table(tmp_path / "table.parquet", rows, ABOUT | {"asked": asked})
-    same, other = (findings(read_results(tmp_path, p)) for p in ("", "quasi_static"))
-    assert same.classes["within 1 %"] == other.classes["within 10 %"] == 3
-    assert "\nverdicts: arrived 3\n" in str(same)
-    assert "\nverdicts, by the compliant prediction: arrived 3\n" in str(other)
-
-
 def test_reasons_that_differ_in_numbers_alone_are_counted_together(folder):
     results = read_results(folder, "quasi_static")
     why = "no plan: phi_1 would reach {}, outside its range -0.45 to 0.45"
