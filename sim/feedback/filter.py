@@ -20,7 +20,7 @@ from sim.feedback.sensing import Sensing
 from sim.motion.poses import compose, rotate, seen_from, wrap
 
 POSE, BIAS, SLOPE = slice(0, 3), slice(3, 6), slice(6, 15)
-OFFSET, RATE = 15, 16  # of the gyroscope
+OFFSET, DRIFT = 15, 16  # of the gyroscope
 STATES = 17
 GATE = 11.345  # 99 % of chi-squared with three degrees of freedom
 STRANGE = 3  # readings in a row beyond the gate that mean that the robot was moved
@@ -126,7 +126,7 @@ class Feedback:
         first = np.zeros(STATES)
         first[BIAS] = misses.bias * unit
         first[SLOPE] = (misses.slope * np.outer(unit, 1 / unit)).ravel()
-        first[RATE] = sensing.gyro_drift
+        first[DRIFT] = sensing.gyro_drift
         self.covariance = np.broadcast_to(np.diag(first**2), (*batch, STATES, STATES))
         if learnt is not None:
             self.bias, self.slope = self.bias + learnt.bias, self.slope + learnt.slope
@@ -171,7 +171,7 @@ class Feedback:
         by_slope = turn[..., None] * meant[..., None, None, :]
         moves[..., POSE, SLOPE] = by_slope.reshape(*self.batch, 3, 9)
         moves[..., :2, 2] = rotate(step[..., :2], self.pose[..., 2] + np.pi / 2)
-        moves[..., OFFSET, RATE] = seconds
+        moves[..., OFFSET, DRIFT] = seconds
         added = np.zeros((*self.batch, STATES, STATES))
         added[..., POSE, POSE] = (turn * self.scatter**2) @ np.swapaxes(turn, -1, -2)
         added[..., BIAS, BIAS] = np.diag(self._wander**2)
