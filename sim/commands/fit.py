@@ -136,7 +136,7 @@ def _cells(estimates: Estimates, problem: int) -> list[str]:
     cells = []
     for k, parameter in enumerate(estimates.parameters):
         scale = MILLI if parameter.unit in MILLI_UNITS else 1.0
-        value, error = (scale * number for number in estimates.told(k, problem))
+        value, error = (scale * number for number in estimates.of(k, problem))
         places = min(max(1 - floor(log10(max(error, 1e-9))), 0), 6)
         text = f"{value:.{places}f} +- {error:.{places}f}"
         cells.append(text if estimates.seen[problem, k] else "-")
