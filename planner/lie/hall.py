@@ -33,9 +33,7 @@ Element = int | Bracket
 """The number of a generator, or a bracket of elements."""
 
 Place = tuple[Any, ...]
-
-MOST_ELEMENTS = 10**6  # of a basis, which then takes a minute
-DEEPEST = 60  # degree by which two generators have more elements than that
+MOST_ELEMENTS, DEEPEST = 10**6, 60  # of a basis; a degree that always goes beyond
 
 
 @cache
