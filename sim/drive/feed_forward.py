@@ -2,7 +2,7 @@
 
 A servo is a spring: a joint that bears a torque rests away from its command by torque
 over stiffness, and a moving one lags by damping times speed over stiffness. Commands
-lead by as much. Torques are measured in a walk beforehand, on very stiff servos.
+are ahead by as much. Torques are measured in a walk beforehand, on very stiff servos.
 """
 
 from __future__ import annotations

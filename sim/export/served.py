@@ -88,7 +88,7 @@ class ServedWalk:
         return Scheduler(self.setup.limits, self._legs, self._steps)
 
     def _rows(self, schedule: Schedule) -> Iterator[Row]:
-        torques, practised = self._beforehand.leads(schedule)
+        torques, practised = self._beforehand.feed_forward(schedule)
         self._legs, self._steps = schedule.end, schedule.stop
         rows = [*self._drive.commands(schedule, torques, practised=practised)]
         clock = self.rate, self.setup.limits.timestep
