@@ -81,3 +81,8 @@ def test_what_is_made_in_a_folder_needs_its_name(tmp_path, monkeypatch, capsys):
         assert main((*command_line, "--out", "")) == 2
         assert "an empty name: --out" in capsys.readouterr().err
     assert not [*tmp_path.iterdir()]
+
+
+def test_more_designs_than_can_be_counted_are_refused(capsys):
+    assert main(("design", "hexapod", "--walks", "0", "--designs", str(10**20))) == 2
+    assert "1000000" in capsys.readouterr().err
