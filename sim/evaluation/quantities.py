@@ -82,7 +82,7 @@ OF_ROWS = (  # beside where each row ends, and how far the physics ends off it
     Quantity("predicted.*.slip_transition", "switch slip", "mm", 1),
 )
 WALKS = tomllib.loads((files("sim.evaluation") / "quantities.toml").read_text("utf-8"))
-OF_WALKS = tuple(Quantity(key, *shown) for key, shown in WALKS.items())
+OF_WALKS = tuple(Quantity(key, **shown) for key, shown in WALKS.items())
 WRONG, CLAIMED = (
     q for q in OF_WALKS if q.key in ("feedback.wrong", "feedback.claimed")
 )
