@@ -7,6 +7,7 @@ from dataclasses import replace
 from difflib import get_close_matches
 from os.path import lexists
 from pathlib import Path
+from shlex import quote
 
 from models.checks import check_parts, check_posture
 from models.description.card_file import card_text, parse_card
@@ -99,7 +100,7 @@ def _find(name: str) -> Path:
     if not name.endswith(".xml") and name not in shipped:
         file = [f"{name}.xml"] if Path(f"{name}.xml").is_file() else []
         near = file or get_close_matches(name, shipped, n=1)
-        own = name if name.endswith(".urdf") else "FILE.urdf"
+        own = quote(name) if name.endswith(".urdf") else "FILE.urdf"
         question = f"did you mean {near[0]!r}? " if near else ""
         raise UnknownRobotError(
             f"unknown robot: {name!r}; {question}shipped are {', '.join(shipped)}, "
@@ -129,5 +130,5 @@ def _card(path: Path, beside: Path) -> tuple[str, str]:
     if spec.modelname in shipped_robots():
         shipped = FOLDER / f"{spec.modelname}.toml"
         return card_text(shipped), str(shipped)
-    remedy = f"draft one: stratawalk adopt {path}"
+    remedy = f"draft one: stratawalk adopt {quote(str(path))}"
     raise ModelError(f"no robot card: {beside} is missing; {remedy}")

@@ -18,9 +18,9 @@ import numpy as np
 from planner.support import read_file
 
 URDF = Path("urdf/hexapod_simplified.urdf")
-RATE, DURATION, PERIOD = 240, 5.0, 1.0  # [1/s], [s], [s]
-SPEED, HEIGHT = 0.3, 0.14  # of the body [m/s], [m]
-RADIUS, STEP = 0.15, 0.05  # of the foot from its hip, and of its lift [m]
+FRAME_RATE, DURATION, PERIOD = 240, 5.0, 1.0  # [1/s], [s], [s]
+SPEED, BODY_HEIGHT = 0.3, 0.14  # of the body [m/s], [m]
+LEG, FOOT_LIFT = 0.15, 0.05  # of the foot from its hip, and of its lift [m]
 TIBIA = 0.14735  # from the knee to the tip, which the URDF has as a mesh [m]
 FORWARD = -np.pi / 6  # between two legs [rad]
 TURNS = ((1, 0.5), (2, 0.0), (3, 0.5), (4, 0.0), (5, 0.5), (6, 0.0))  # leg, phase
@@ -50,8 +50,8 @@ def foot(leg: int, part: np.ndarray, drop: float) -> np.ndarray:
     u = np.clip(2 * part - 1, 0.0, 1.0)
     back = half * (2 * (10 * u**3 - 15 * u**4 + 6 * u**5) - 1)
     way = np.where(part < 0.5, half * (1 - 4 * part), back)
-    place: np.ndarray = np.array([RADIUS, 0.0, drop - HEIGHT]) + way[:, None] * along
-    place[:, 2] += STEP * 64 * (u * (1 - u)) ** 3
+    place: np.ndarray = np.array([LEG, 0.0, drop - BODY_HEIGHT]) + way[:, None] * along
+    place[:, 2] += FOOT_LIFT * 64 * (u * (1 - u)) ** 3
     return place
 
 
@@ -68,7 +68,7 @@ def angles(place: np.ndarray, coxa: float, femur: float) -> np.ndarray:
 def write_gait(checkout: Path, file: Path) -> None:
     """Write the gait of the robot in a checkout to a CSV file."""
     coxa, femur, drop = lengths(checkout)
-    time = np.arange(round(DURATION * RATE) + 1) / RATE
+    time = np.arange(round(DURATION * FRAME_RATE) + 1) / FRAME_RATE
     columns = {"time": time}
     for leg, phase in TURNS:
         place = foot(leg, (time / PERIOD - phase) % 1.0, drop)

@@ -31,7 +31,7 @@ TOOLS = {  # found before all others
     "stratawalk": '#!/bin/sh\nexec {python} -m sim.cli "$@"\n',
     "python": '#!/bin/sh\nexec {python} "$@"\n',
 }
-LONGEST = 260  # characters of what is said
+MOST_CHARACTERS = 260  # characters of what is said
 ROW_LIMIT = 400  # [s] for a row
 AT_ONCE = 2  # rows
 
@@ -97,7 +97,7 @@ class Row:
             self.fault,
             f"`{self.command}`",
             f"{end.code} ({wrong})" if wrong else str(end.code),
-            said if len(said) < LONGEST else f"{said[:LONGEST]} ...",
+            said if len(said) < MOST_CHARACTERS else f"{said[:MOST_CHARACTERS]} ...",
             f"`{self.test}`",
         )
         return [cell.replace("|", r"\|") for cell in cells]

@@ -6,10 +6,12 @@ Work of which something is kept says so while it lasts; this module remembers it
 
 from __future__ import annotations
 
+import shlex
 import signal
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from enum import IntEnum
+from pathlib import Path
 
 
 class ExitCode(IntEnum):
@@ -63,16 +65,20 @@ def keeping(tell: Callable[[], str]) -> Iterator[None]:
 
 def again(*more: str) -> str:
     """The command line with further words, in which an option replaces the former."""
-    import shlex
-
-    words, given = ["stratawalk"], iter(_words)
+    words, given = list[str](), iter(_words)
     for word in given:
         name, valued, _ = word.partition("=")
         if name not in more:
             words.append(word)
         elif not valued:
             next(given, None)
-    return shlex.join([*words, *more])
+    return command(*words, *more)
+
+
+def command(*words: object) -> str:
+    """A command line for a shell; paths that begin with a dash are no options in it."""
+    texts = ["./" * (isinstance(w, Path) and str(w)[0] == "-") + str(w) for w in words]
+    return shlex.join(["stratawalk", *texts])
 
 
 def way_on() -> str:

@@ -16,7 +16,7 @@ from planner import PlannerError
 from sim.endings import ENDS, ExitCode as ExitCode, kept_work, way_on
 from sim.interruption import HungUp, Terminated
 
-LONGEST = 1000  # characters of a line; what is left out is in its middle
+LONGEST_MESSAGE = 1000  # characters of a line; what is left out is in its middle
 ROOT = Path(__file__).resolve().parent.parent
 LAYERS = ("planner", "models", "sim")
 
@@ -160,9 +160,9 @@ def printable(text: str) -> str:
 def one_line(error: BaseException) -> str:
     """The error as `what: where; what to do`, on one line."""
     line = printable(" ".join(_describe(error).split()))
-    if len(line) <= LONGEST:
+    if len(line) <= LONGEST_MESSAGE:
         return line
-    return f"{line[: LONGEST // 2]} ... {line[-LONGEST // 2 :]}"
+    return f"{line[: LONGEST_MESSAGE // 2]} ... {line[-LONGEST_MESSAGE // 2 :]}"
 
 
 def _describe(error: BaseException) -> str:

@@ -19,6 +19,7 @@ from typing import IO
 import numpy as np
 
 from planner.support import require_space, whole_file
+from sim.endings import command
 from sim.errors import ExitCode, FilesError, UsageError, exit_code
 
 
@@ -197,7 +198,7 @@ def blamed_on(place: Path, remedy: str = "") -> Iterator[None]:
         if exit_code(error) is not ExitCode.BUG:
             raise
         what = "its files do not fit together, where --debug says"
-        again = f"walk it again: stratawalk run {place / 'scenario.toml'}"
+        again = f"walk it again: {command('run', place / 'scenario.toml')}"
         raise UsageError(what, str(place), remedy or again) from error
 
 

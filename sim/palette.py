@@ -91,31 +91,19 @@ class PathMark:
         return {**style, "linestyle": dashes, **changes}
 
 
+STYLES = tomllib.loads((files("sim") / "styles.toml").read_text("utf-8"))
 NOMINAL = PathMark("nominal path", Colour(84, 88, 98), 0.01, 1.2, (3.7, 1.6))
 ACHIEVED = PathMark("achieved path", Colour(0, 128, 98), 0.008, 2.2)
 THOUGHT = PathMark("estimated pose", Colour(15, 0, 225), 0.004, 0.7)
 PREDICTED: Mapping[str, PathMark] = {
-    "ideal": PathMark("ideal prediction", Colour(176, 96, 0), 0.006, 0.7),
-    "quasi_static": PathMark(
-        "quasi-static prediction", Colour(128, 34, 190), 0.006, 0.8, (2.5, 1.2)
-    ),
-    "identified": PathMark(
-        "identified prediction", Colour(28, 168, 237), 0.006, 0.8, (1.0, 1.0)
-    ),
-    "compliant": PathMark(
-        "compliant prediction", Colour(210, 29, 195), 0.006, 0.8, (11.0, 2.0)
-    ),
-    "measured": PathMark(
-        "measured path", Colour(117, 5, 121), 0.006, 1.6, (5.0, 1.0, 1.0, 1.0)
-    ),
+    key: PathMark(name, Colour(*colour), wide, points, tuple(dashes))
+    for key, (name, colour, wide, points, dashes) in STYLES["paths"].items()
 }
 
 # Sizes on the floor, in units of the robot's reach.
 FOOTPRINT, SPOT, GOAL = 0.014, 0.032, 0.06  # radii; a spot is the centre of mass
 EDGE = 0.01  # width of the edges of support polygon and outline
 GHOST, GHOST_TORSO = 0.5, 0.12  # opacity of a predicted robot's legs and torso
-
-STYLES = tomllib.loads((files("sim") / "styles.toml").read_text("utf-8"))
 
 
 def style_of(drawings: str) -> dict[Any, Any]:

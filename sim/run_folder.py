@@ -15,6 +15,7 @@ import numpy as np
 from models import Robot
 from models.description import parse_toml
 from planner import Array
+from sim.endings import command
 from sim.errors import SimulationError, one_line
 from sim.evaluation import flows
 from sim.evaluation.assessment import Evaluation, evaluate
@@ -134,8 +135,9 @@ def run(
         again = folder.path / "scenario.toml"
         if not again.exists():
             raise
-        remedy = f"{error.remedy}; walk again: stratawalk run {again} --no-video"
-        remedy += f" --set {error.setting}" if error.setting else ""
+        words = ["--set", error.setting] if error.setting else []
+        line = command("run", again, "--no-video", *words)
+        remedy = f"{error.remedy}; walk again: {line}"
         raise SimulationError(error.what, error.where, remedy) from error
     summary = replace(simulation.summary, timing=simulation.timing | {"render": 0.0})
     with stage(progress, "writing"):

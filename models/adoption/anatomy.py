@@ -164,7 +164,7 @@ def _limb(pose: Pose, hip: int, chain: dict[int, list[int]], source: str) -> Lim
 
 GRID = 41  # angles of each joint that are tried
 CLEARANCE = 0.3  # of a leg's reach, that the body is wanted above the floor
-MARGIN = 0.15  # of a joint's range to keep from its ends
+KEPT_RANGE = 0.15  # of a joint's range to keep from its ends
 BISECTIONS = 30  # of the bisection for the height of a foot
 
 
@@ -202,7 +202,7 @@ def standing_angles(pose: Pose, limbs: Sequence[Limb], source: str) -> dict[str,
 
 def _within(pose: Pose, joint: str) -> Array:
     low, high = pose.span(joint)
-    keep = MARGIN * (high - low)
+    keep = KEPT_RANGE * (high - low)
     return np.linspace(low + keep, high - keep, GRID)
 
 

@@ -21,10 +21,10 @@ from models.errors import ModelError
 from planner import Array
 from planner.execution import reposition_legs
 
-FEWEST, MOST = 4, 6  # legs of robots for which crawls are searched for
+FEWEST_LEGS, MOST_LEGS = 4, 6  # legs of robots for which crawls are searched for
 PLACES = 9  # of the feet, along each axis
 SHARES = (1.0, 0.75, 0.5, 0.35, 0.25, 0.15)  # of the longest stroke
-SHORTEST = 0.04  # [rad] to either side, of a stroke
+LEAST_STROKE = 0.04  # [rad] to either side, of a stroke
 SKEWED = 0.7  # worth of a stroke from a posture that is not the same left and right
 SPINS = (0.0, -0.4, 0.4, -0.8, 0.8)  # [rad] by which all legs are turned alike
 PUSHED = 0.3  # of the way that the fastest foot would push the body without slip
@@ -108,15 +108,15 @@ def find_crawl(pose: Pose, limbs: Sequence[Limb], ranges: Array, source: str) ->
     Ranges say how far each leg may turn clockwise and anticlockwise from how it stands,
     shape (legs, 2) [rad].
     """
-    if not FEWEST <= len(limbs) <= MOST:
+    if not FEWEST_LEGS <= len(limbs) <= MOST_LEGS:
         raise ModelError(
             f"its {len(limbs)} legs cannot be set back one at a time: {source}; crawls "
-            f"are drafted for {FEWEST} to {MOST} legs"
+            f"are drafted for {FEWEST_LEGS} to {MOST_LEGS} legs"
         )
     body = _Body.of(pose, limbs)
     every = product(_postures(body, ranges), SHARES)
     tries = [replace(crawl, stroke=share * crawl.stroke) for crawl, share in every]
-    worthy = (crawl for crawl in tries if crawl.stroke > SHORTEST)
+    worthy = (crawl for crawl in tries if crawl.stroke > LEAST_STROKE)
     for crawl in sorted(worthy, key=lambda crawl: -crawl.worth):
         ways = product((crawl.forward, crawl.turning), (-1, 1))
         ends = [side * crawl.stroke * gains for gains, side in ways]

@@ -39,7 +39,7 @@ from planner import PlannerError
 SHORT = 0.05  # of the longest leg as seen from above: shorter ones push nothing
 DEEPEST = np.arctan(2.0)  # of feet; at 3.5 in place of 2 they jam, at 1.7 they do not
 SOFT_SHARE = 0.05  # of the stiffness with which a servo sags little
-LEVELLED, NEWTON_STEPS = 1e-5, 4  # [m] between feet, and steps to less than that
+LEVELLED, LEVELLING_STEPS = 1e-5, 4  # [m] between feet, and steps to less than that
 
 
 @dataclass(frozen=True)
@@ -185,7 +185,7 @@ def _level(pose: Pose, limbs: Sequence[Limb]) -> dict[str, float]:
     heights = [pose.bottom(foot)[2] for foot in feet.values()]
     if np.ptp(heights) <= LEVELLED:
         return {}
-    for _ in range(NEWTON_STEPS):
+    for _ in range(LEVELLING_STEPS):
         for lift, foot in feet.items():
             arm = pose.bottom(foot) - pose.data.joint(lift).xanchor
             rise = np.cross(pose.data.joint(lift).xaxis, arm)[2]

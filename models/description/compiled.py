@@ -83,8 +83,8 @@ def check_model(model: mujoco.MjModel, source: str) -> None:
         raise ModelError(f"{what} is not finite: {source}; give it a number")
     for name in filter(SOLVING.search, dir(model.opt)):
         if (count := getattr(model.opt, name)) > MOST_ITERATIONS:
-            said = f"{name} of <option> is {count}, and a step might not end: {source}"
-            raise ModelError(f"{said}; give it {MOST_ITERATIONS} or less")
+            what = f"{name} of <option> is {count}, and a step might not end: {source}"
+            raise ModelError(f"{what}; give it {MOST_ITERATIONS} or less")
 
 
 def _not_finite(model: mujoco.MjModel) -> Iterator[str]:

@@ -116,14 +116,14 @@ class InputUnits:
         first = (sizes >= (1.0 - EQUAL) * sizes.max(axis=0)).argmax(axis=0)
         largest = np.take_along_axis(rates, first[None], axis=0)[0]
         added = rates.sum(axis=0)
-        told = np.where(np.abs(added) > EQUAL * sizes.sum(axis=0), added, largest)
+        ahead = np.where(np.abs(added) > EQUAL * sizes.sum(axis=0), added, largest)
         several = (self.generators.constant[self.joints] != 0.0).sum(axis=0) > 1
         zero = self.generators.values(np.zeros(len(self.weights)))
         moving = np.where(np.isfinite(zero), zero * self.weights[:, None], 0.0)
         body = moving[~self.joints]
         way = body.sum(axis=0)
         moved = several & (np.abs(way) > EQUAL * np.abs(body).sum(axis=0))
-        signs: Array = np.where(np.where(moved, way, told) < 0.0, -1.0, 1.0)
+        signs: Array = np.where(np.where(moved, way, ahead) < 0.0, -1.0, 1.0)
         return signs
 
 

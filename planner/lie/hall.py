@@ -33,13 +33,15 @@ Element = int | Bracket
 """The number of a generator, or a bracket of elements."""
 
 Place = tuple[Any, ...]
+MOST_ELEMENTS, DEEPEST = 10**6, 60  # of a basis; a degree that always goes beyond
 
 
 @cache
 def hall_basis(generators: int, max_degree: int) -> tuple[Element, ...]:
     """The elements B_i of eq. (6): all Hall elements up to a degree, in order.
 
-    `ValueError` refuses a number of generators, or a degree, below 1.
+    `ValueError` refuses a number of generators, or a degree, below 1, and bases of more
+    than a million elements.
 
     Example:
         >>> from planner import hall_basis
@@ -50,6 +52,11 @@ def hall_basis(generators: int, max_degree: int) -> tuple[Element, ...]:
         raise ValueError(f"generators is {generators}; a Lie algebra needs at least 1")
     if max_degree < 1:
         raise ValueError(f"max_degree is {max_degree}; generators have degree 1")
+    if generators == 1:  # whose brackets vanish
+        return (1,)
+    if free_dimension(generators, min(max_degree, DEEPEST)) > MOST_ELEMENTS:
+        what = f"{generators} generators to degree {max_degree}, which have more than"
+        raise ValueError(f"{what} {MOST_ELEMENTS:,} Hall elements; ask for less")
     layers: list[list[Element]] = [[*range(1, generators + 1)]]
     for total in range(2, max_degree + 1):
         found = [

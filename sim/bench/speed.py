@@ -50,8 +50,8 @@ from sim.problems.scenario import ScenarioProblem
 from sim.scenarios.file import load_scenario
 
 REPEATS = 5
-GENERATORS, DEGREE = 4, 5  # of the Lie algebra, 294 elements
-SHORT, LONG, LONGEST = 60, 1_000, 10_000  # segments
+GENERATORS, ALGEBRA_DEGREE = 4, 5  # of the Lie algebra, 294 elements
+SHORT, LONG, HUGE = 60, 1_000, 10_000  # segments
 STRIDE = 0.004  # of each segment in x and in y [m]
 SCENARIOS = ("line", "ellipse", "diagonal")
 STEPS = 20_000  # of physics in each measurement: a third of a second
@@ -135,9 +135,9 @@ def algebra() -> Row:
     def structure() -> object:
         for function in (hall_basis, place, degree, structure_constants, lie_algebra):
             function.cache_clear()
-        return lie_algebra(hall_basis(GENERATORS, DEGREE)).structure
+        return lie_algebra(hall_basis(GENERATORS, ALGEBRA_DEGREE)).structure
 
-    elements = len(hall_basis(GENERATORS, DEGREE))
+    elements = len(hall_basis(GENERATORS, ALGEBRA_DEGREE))
     what = f"Hall basis of {elements} elements with its structure constants in"
     return Row(what, median(structure), "s", "< 2")
 
@@ -151,14 +151,14 @@ def plans(setup: Setup) -> Iterator[Row]:
         execution = Execution(stance="centred")
         return median(lambda: plan(setup.extended, path, segments, execution=execution))
 
-    short, long, longest = (planned(n) / n for n in (SHORT, LONG, LONGEST))
+    short, long, longest = (planned(n) / n for n in (SHORT, LONG, HUGE))
     yield Row(f"{SHORT} segments planned in", 1e3 * SHORT * short, "ms", "< 5")
-    yield Row(f"{LONGEST:,} segments planned, each in", 1e6 * longest, "us", "< 100")
-    what = f"time for each segment, plans of {LONGEST:,} over {LONG:,}"
+    yield Row(f"{HUGE:,} segments planned, each in", 1e6 * longest, "us", "< 100")
+    what = f"time for each segment, plans of {HUGE:,} over {LONG:,}"
     yield Row(what, longest / long, "", "near 1")
 
 
-def segments(name: str, most: int = LONGEST) -> Iterator[Row]:
+def segments(name: str, most: int = HUGE) -> Iterator[Row]:
     """Time of a segment of a shipped system, and of a rollout over that of its plan."""
     problem = shipped_system(name)
     extended = extend(problem.system, problem.elements)

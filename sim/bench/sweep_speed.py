@@ -31,7 +31,7 @@ SHORT = {"path.goal": [0.02, 0.02, 0.0], "segments": 4}
 TINY = SHORT | {"segments": 1, "path.goal": [0.004, 0.004, 0.0]}
 WITHOUT = ("identified", "compliant", "creep_floor")
 TASKS = 24  # for every number of workers
-MANY = 10_000  # points
+LEDGER = 10_000  # points
 VARIED = 40  # points, more than are shared of a kind
 
 
@@ -39,7 +39,7 @@ def measure() -> Iterator[Row]:
     """All measurements of sweeps, one after another."""
     yield from throughput(load_scenario("line", SHORT))
     yield from workers(load_scenario("line", TINY))
-    yield Row(f"memory of the ledger of {MANY} points", _peak("keep_books"), "MB")
+    yield Row(f"memory of the ledger of {LEDGER} points", _peak("keep_books"), "MB")
     yield Row(f"memory of a worker after {VARIED} points", _peak("work"), "MB", "< 700")
 
 
@@ -114,7 +114,7 @@ def keep_books(folder: str) -> None:
     """Read a ledger of many points, and write their table."""
     scenario = load_scenario("line", TINY)
     given = dict(numbers(simulate(scenario, without=WITHOUT).summary))
-    blocks = ((("friction",), [(0.5 + 1e-5 * n,) for n in range(MANY)]),)
+    blocks = ((("friction",), [(0.5 + 1e-5 * n,) for n in range(LEDGER)]),)
     sweep = Sweep("many", to_table(scenario), {}, blocks, WITHOUT)
     points, home = points_of(sweep, Shard()), SweepFolder(Path(folder))
     with opened(home.ledger) as ledger:

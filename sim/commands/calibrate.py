@@ -23,7 +23,7 @@ from models.description import (
 from planner.support import read_text
 from sim.commands import options as cli
 from sim.commands.declared import real, whole as counted
-from sim.endings import again, keeping, way_on
+from sim.endings import again, command, keeping, way_on
 from sim.errors import RenderError, UsageError, printable
 from sim.export.calibration import card_with, draw, joint_servo, marks, sheet, strokes
 from sim.export.header import write_header
@@ -132,7 +132,7 @@ def _calibrated(
             known[joint] = servo
             with whole(file) as part:
                 part.write_text(card_with(robot.card_text, known, clock), "utf-8")
-    check = f"stratawalk calibrate {robot.path} --check"
+    check = command("calibrate", robot.path, "--check")
     return {"card": f"{file}, {len(known)} servos", "next": check}
 
 
@@ -233,7 +233,7 @@ def _check(robot: Robot, kind: ServoKind, folder: RunFolder) -> Mapping[str, str
     card = robot.card
     if missing := [joint for joint in card.joints if joint not in card.joint_servos]:
         what = f"no servo for joint {missing[0]!r}"
-        remedy = f"find them first: stratawalk calibrate {robot.path}"
+        remedy = f"find them first: {command('calibrate', robot.path)}"
         raise UsageError(what, "the robot's card", remedy)
     pulse = kind.signal == "pulse"
     commands, told = strokes(robot, kind.command_rate)

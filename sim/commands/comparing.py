@@ -12,7 +12,7 @@ import numpy as np
 
 from sim import palette
 from sim.commands import options as cli
-from sim.endings import keeping
+from sim.endings import command, keeping
 from sim.errors import UsageError
 from sim.folder import RunFolder, blamed_on, claim, ensure_folder, new_file, whole
 from sim.progress import bar, stage
@@ -30,11 +30,10 @@ def compare(options: argparse.Namespace) -> None:
     """Print the comparison, and write its page."""
     if len(options.runs) < 2:
         what = "a single run cannot be compared"
-        newest = " ".join(map(str, reversed(cli.runs_in(Path(options.runs[0]))[:2])))
-        two = f"write stratawalk compare {newest}" if " " in newest else ""
-        raise UsageError(
-            what, options.runs[0], two or "give two or more, or stratawalk show RUN"
-        )
+        newest = cli.runs_in(Path(options.runs[0]))[1::-1]
+        two = f"write {command('compare', *newest)}" if newest[1:] else ""
+        remedy = two or "give two or more, or stratawalk show RUN"
+        raise UsageError(what, options.runs[0], remedy)
     if options.out is not None and Path(options.out).suffix not in (".html", ".htm"):
         where = f"--out {options.out}"
         raise UsageError("not a page's name", where, "give a name in .html")

@@ -22,7 +22,7 @@ from sim.errors import FilesError, UsageError
 if TYPE_CHECKING:
     from sim.export.served import Row, ServedWalk
 
-LONGEST, MOST = 10_000, 10_000  # characters of a line, and poses that wait to be read
+LONGEST_LINE, MOST_WAITING = 10_000, 10_000  # characters of a line, waiting poses
 ASTRAY = 1.0  # [m], more than the path is long, that no robot can be off its plan
 REPLY = 0.02  # [s], for an answer to a command that is written out of real time
 
@@ -90,7 +90,7 @@ class Poses:
     def _listen(self, file: IO[str]) -> None:
         for number in count(1):
             try:
-                if not (line := file.readline(LONGEST)):
+                if not (line := file.readline(LONGEST_LINE)):
                     self._queue.put(None)
                     return
                 pose = _pose(line) if line.strip() else None
@@ -99,7 +99,7 @@ class Poses:
                 remedy = 'write {"time": 1.0, "x": 0.0, "y": 0.0, "yaw": 0.0}'
                 self._queue.put(UsageError(what, f"line {number} of --poses", remedy))
                 return
-            if self._queue.qsize() >= MOST:  # nobody asks for the oldest ones
+            if self._queue.qsize() >= MOST_WAITING:  # nobody asks for the oldest ones
                 with suppress(Empty):
                     self._queue.get_nowait()
             if pose:

@@ -38,7 +38,7 @@ def export(options: argparse.Namespace) -> ExitCode:
     blame = blamed_on(folder) if folder.is_dir() else nullcontext()
 
     def kept() -> str:
-        if not out.exists():
+        if not os.path.exists(out):  # which no name is too long for
             return f"nothing is written; start again: {again()}"
         on = again(*cli.elsewhere(str(out)))
         return f"{out} is written and not played; start again: {on}"

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from models import shipped_robots
 from sim.commands import options as cli
+from sim.endings import command
 from sim.errors import UsageError
 from sim.fitting.estimate import Estimates, Parameter
 from sim.fitting.fitting import (
@@ -73,12 +74,12 @@ def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | No
     named = first.endswith(".xml") or first in shipped_robots()
     paths = [Path(name) for name in (rest if named else options.sources)]
     if not paths:
-        remedy = f"name a LOG, or a RUN: stratawalk fit {first} LOG.csv"
+        remedy = f"name a LOG, or a RUN: {command('fit', first, 'LOG.csv')}"
         raise UsageError("nothing to fit", first, remedy)
     runs = {path: read_run(path) for path in paths if path.is_dir()}
     if not named and paths[0] not in runs:
         what = f"{first!r} is neither a robot nor a run, and a log names no robot"
-        raise UsageError(what, "fit", f"name it: stratawalk fit hexapod {first}")
+        raise UsageError(what, "fit", f"name it: {command('fit', 'hexapod', first)}")
     run = runs.get(paths[0])
     robot = cli.robot_of(options, run.scenario.robot if run and not named else first)
     settings = cli.settings_of(options)
@@ -136,7 +137,7 @@ def _cells(estimates: Estimates, problem: int) -> list[str]:
     cells = []
     for k, parameter in enumerate(estimates.parameters):
         scale = MILLI if parameter.unit in MILLI_UNITS else 1.0
-        value, error = (scale * number for number in estimates.told(k, problem))
+        value, error = (scale * number for number in estimates.of(k, problem))
         places = min(max(1 - floor(log10(max(error, 1e-9))), 0), 6)
         text = f"{value:.{places}f} +- {error:.{places}f}"
         cells.append(text if estimates.seen[problem, k] else "-")

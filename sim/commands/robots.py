@@ -21,6 +21,7 @@ from models import (
 )
 from planner.support import whole_file
 from sim.commands import options as cli
+from sim.endings import command
 from sim.errors import UsageError
 from sim.folder import whole
 from sim.interruption import processor_time
@@ -75,7 +76,9 @@ def adopt(options: argparse.Namespace) -> None:
     found, files = facts_of(setup), [str(path) for path in written]
     path, external = source.path, setup.robot.opened.external
     told = {"written": files, "guesses": draft.guesses, "robot": found}
-    text = render("adopted.txt", path=path, external=external, **told)
+    trusted = ["--allow-external"] if external else []
+    walk = command("run", "line", "--robot", path, *trusted)
+    text = render("adopted.txt", walk=walk, **told)
     cli.report(options, told, render("robot.txt", **found), text)
 
 

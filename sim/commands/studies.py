@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from sim.commands import options as cli
-from sim.endings import again, keeping
+from sim.endings import again, command, keeping
 from sim.errors import ExitCode, UsageError
 from sim.folder import RunFolder, blamed_on, ensure_folder
 from sim.progress import bar
@@ -24,7 +24,7 @@ from sim.studies.designing import DIRECTIONS, designs, tried
 from sim.studies.results import findings, read_results
 from sim.sweeps import sweeping
 from sim.sweeps.file import read_sweep
-from sim.sweeps.folder import Shard, claim
+from sim.sweeps.folder import Shard, SweepFolder, claim
 from sim.sweeps.ledger import software
 from sim.sweeps.table import write_table
 from sim.templates import render
@@ -74,7 +74,7 @@ def sweep(options: argparse.Namespace) -> ExitCode:
 def merge(options: argparse.Namespace) -> ExitCode:
     """Write the table of all shards, and say what failed."""
     folders = [Path(folder) for folder in options.folders]
-    out = folders[0] if options.out is None else Path(options.out)
+    out = cli.folder_of(options) or folders[0]
     return _print_result(options, *sweeping.merge(folders, out))
 
 
@@ -83,13 +83,14 @@ def _print_result(
 ) -> ExitCode:
     """Say what became of a sweep; the code that it ends with."""
     shown = list(result.reasons.items())[:PRINTED]
+    further = "study" if SweepFolder(table.parent).table == table else "merge"
     cli.report(
         options,
         asdict(result) | {"table": str(table)},
         f"{_points(result.points)}, {result.walked} walked now, {result.failed} failed",
         ", ".join(f"{word} {count}" for word, count in result.verdicts.items()),
         *(f"{count:6}  {reason}" for reason, count in shown),
-        f"{'table':8}{table}\n{'next':8}stratawalk study {table.parent}",
+        f"{'table':8}{table}\n{'next':8}{command(further, table.parent)}",
     )
     if result.failed and not options.json:
         line = f"{result.failed} of {_points(result.points)} failed"
@@ -105,7 +106,7 @@ def study(options: argparse.Namespace) -> None:
     """Print what a sweep has found, and draw its maps."""
     given = Path(options.table)
     beside = (given if given.is_dir() else given.parent) / "maps"
-    out = beside if options.out is None else Path(options.out)
+    out = cli.folder_of(options) or beside
     paged = out.suffix in PAGES
     if out.suffix[1:].isalpha() and not paged and not out.is_dir():
         raise UsageError("neither folder nor page", str(out), "end it with .html")

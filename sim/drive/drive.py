@@ -24,7 +24,7 @@ from sim.physics.engine import STRETCH
 from sim.preparation.setup import Setup
 from sim.world.servos import ServoSettings, servo_settings
 
-Leads = tuple[FeedForward | None, FeedForward | None]  # torques, practised angles
+Allowed = tuple[FeedForward | None, FeedForward | None]  # torques, practised angles
 LEAST_FRICTION = 0.1  # below, feet slide whatever the servos do
 
 
@@ -217,7 +217,7 @@ class Drive:
             self._late = both[len(given) :]
             yield both[: len(given)]
 
-    def _held_commands(self, schedule: Schedule, leads: Leads, rows: Array) -> Array:
+    def _held_commands(self, schedule: Schedule, ahead: Allowed, rows: Array) -> Array:
         """Each command in force from the step at which it is given to the next one."""
         given = schedule.start + rows  # step of the command in force in each step
         if self._servo.rate:
@@ -226,16 +226,16 @@ class Drive:
         given, row = np.unique(given, return_inverse=True)
         fresh = given >= schedule.start
         ctrl = np.empty((len(given), self._setup.model.nu))
-        ctrl[fresh] = self._ctrl(schedule, leads, given[fresh] - schedule.start)
+        ctrl[fresh] = self._ctrl(schedule, ahead, given[fresh] - schedule.start)
         if self._held is None:
-            self._held = self._ctrl(schedule, leads, np.zeros(1, dtype=int))[0]
+            self._held = self._ctrl(schedule, ahead, np.zeros(1, dtype=int))[0]
         ctrl[~fresh] = self._held
         self._held = ctrl[-1].copy()
         return np.ascontiguousarray(ctrl[row])
 
-    def _ctrl(self, schedule: Schedule, leads: Leads, rows: Array) -> Array:
+    def _ctrl(self, schedule: Schedule, ahead: Allowed, rows: Array) -> Array:
         """Commands that are given at steps of a schedule, shape (n, nu)."""
-        rehearsed, practised = leads
+        rehearsed, practised = ahead
         channels, joints, lifts = self._setup.channels, self._joints, self._lifts
         ctrl = channels.ctrl(schedule.targets(self._setup.robot, rows))
         lag = bent = np.zeros((len(rows), len(joints)))

@@ -2,7 +2,7 @@
 
 A servo is a spring: a joint that bears a torque rests away from its command by torque
 over stiffness, and a moving one lags by damping times speed over stiffness. Commands
-lead by as much. Torques are measured in a walk beforehand, on very stiff servos.
+are ahead by as much. Torques are measured in a walk beforehand, on very stiff servos.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from sim.world.model import suitable_integrator
 
 GIVES = 1 / 800  # [rad]; of a joint under the whole weight at the end of a leg
 SMOOTHED = 0.05  # [s]; over which torques are averaged, as servos cannot follow faster
-SPACING = 0.005  # [s]; between knots
+KNOT_SPACING = 0.005  # [s]; between knots
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ def smoothed(values: Array, timestep: float) -> FeedForward:
     from scipy.ndimage import uniform_filter1d  # slow to import, and seldom needed
 
     window = 2 * round(SMOOTHED / timestep / 2) + 1  # odd, so that nothing is shifted
-    spacing = max(round(SPACING / timestep), 1)
+    spacing = max(round(KNOT_SPACING / timestep), 1)
     smooth = uniform_filter1d(values, window, axis=0, mode="nearest")
     return FeedForward(smooth[::spacing].copy(), spacing)
 

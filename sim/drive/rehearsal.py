@@ -12,7 +12,7 @@ import numpy as np
 
 from planner import Array
 from sim.compliant.prediction import Leg, course_of, phases_of
-from sim.drive.drive import Drive, Leads
+from sim.drive.drive import Allowed, Drive
 from sim.drive.feed_forward import FeedForward, smoothed, stiffened
 from sim.drive.practice import Practice
 from sim.motion.schedule import Schedule
@@ -81,7 +81,7 @@ class Beforehand:
         self._rehearsal = rehearsal_of(setup)
         self._practice = Practice(setup) if drive.practises else None
 
-    def leads(self, schedule: Schedule) -> Leads:
+    def feed_forward(self, schedule: Schedule) -> Allowed:
         """Torques that commands make up for, and what was practised."""
         made_up = None
         if self._rehearsal is not None:

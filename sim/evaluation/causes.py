@@ -91,21 +91,21 @@ def _on_paper(evidence: Evidence) -> str:
     share = evidence.on_paper(judge)
     if scenario.replan or share <= (evidence.weighed.goal or 0.0) / 2:
         return ""
-    told = {"percent": 100 * share, "label": PREDICTIONS[judge].label}
+    facts = {"percent": 100 * share, "label": PREDICTIONS[judge].label}
     groups = evidence.walk.setup.robot.card.groups.values()
     if scenario.fields == "paper" and not any(group.twist for group in groups):
         # a card that gives twists claims them as the paper does
-        return say("on_paper", "dragging", **told)
+        return say("on_paper", "dragging", **facts)
     followed = prediction_key(scenario.steer) == judge
     if followed or evidence.on_paper(IDEAL.key) > share / 2:
-        return say("on_paper", "coarse", twice=2 * scenario.segments, **told)
-    return say("on_paper", "other", **told)
+        return say("on_paper", "coarse", twice=2 * scenario.segments, **facts)
+    return say("on_paper", "other", **facts)
 
 
 def _scaled_down(evidence: Evidence) -> str:
     count, whole = evidence.walk.saturated_segments, evidence.walk.setup.scenario
-    told = {"count": count, "segments": whole.segments, "twice": 2 * whole.segments}
-    return say("scaled_down", **told) if count else ""
+    facts = {"count": count, "segments": whole.segments, "twice": 2 * whole.segments}
+    return say("scaled_down", **facts) if count else ""
 
 
 def _never_loaded(evidence: Evidence) -> str:
@@ -184,15 +184,15 @@ def _coarse(evidence: Evidence) -> str:
         return ""
     counts = LiftCounts(setup.as_planned, feed_forward=True)
     rise = resolution * float(np.abs(setup.kinematics.standing.gives[:, 2]).max())
-    told = {"degrees": np.rad2deg(resolution), "bent": counts.least_bent}
-    return "" if counts.fine else say("counts", millimetres=1e3 * rise, **told)
+    facts = {"degrees": np.rad2deg(resolution), "bent": counts.least_bent}
+    return "" if counts.fine else say("counts", millimetres=1e3 * rise, **facts)
 
 
 def _bounced(evidence: Evidence) -> str:
     """Bounces on coarse counts, of a robot that is as planned and arrived."""
     count, scenario = evidence.walk.recording.bounces, evidence.walk.setup.scenario
-    said = "" if count <= HARMLESS or scenario.is_imperfect else _coarse(evidence)
-    return said and say("bounced", count=count, said=said)
+    why = "" if count <= HARMLESS or scenario.is_imperfect else _coarse(evidence)
+    return why and say("bounced", count=count, why=why)
 
 
 def _hasty(evidence: Evidence) -> str:
@@ -201,8 +201,8 @@ def _hasty(evidence: Evidence) -> str:
     rates = np.linalg.norm(setup.kinematics.standing.rates, axis=-1)
     speeds_up = scenario.swing_acceleration * float(rates.max())
     held = scenario.friction * float(np.linalg.norm(setup.model.opt.gravity))
-    told = {"speeds_up": speeds_up, "held": held}
-    return say("hasty", **told) if speeds_up > USED_UP * held else ""
+    facts = {"speeds_up": speeds_up, "held": held}
+    return say("hasty", **facts) if speeds_up > USED_UP * held else ""
 
 
 def _unknown(evidence: Evidence) -> str:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from math import isfinite
-from typing import Any, NamedTuple, get_type_hints
+from typing import Any, NamedTuple, get_args, get_type_hints
 
 from sim.folder import csv_rows, csv_text
+from sim.motion.schedule import Kind
 
 
 class WalkedPhase(NamedTuple):
@@ -27,6 +27,7 @@ class WalkedPhase(NamedTuple):
 KINDS: dict[str, Callable[[str], Any]]  # readers of the columns
 KINDS = get_type_hints(WalkedPhase) | {"as_planned": "1".__eq__}
 COLUMNS = ("index", *WalkedPhase._fields)
+LARGEST = 1e9  # number, and more segments than any walk has
 
 
 def written(phases: Iterable[WalkedPhase]) -> str:
@@ -47,9 +48,12 @@ def read(text: str) -> tuple[WalkedPhase, ...]:
     if not phases:
         raise ValueError("flows.csv lists no phase")
     numbers = [number for p in phases for number in (p.start, p.end, p.amount, p.slip)]
-    if not all(map(isfinite, numbers)):
-        raise ValueError("flows.csv has a number that is not finite")
+    if not all(abs(number) < LARGEST for number in numbers):
+        raise ValueError(f"flows.csv has a number that is not below {LARGEST:g}")
+    if strange := {p.kind for p in phases}.difference(get_args(Kind)):
+        raise ValueError(f"flows.csv has a phase of kind {min(strange)[:20]!r}")
     moments = [moment for p in phases for moment in (p.start, p.end)]
-    if moments != sorted(moments):
+    segments = [0, *(p.segment for p in phases)]
+    if moments != sorted(moments) or segments != sorted(segments):
         raise ValueError("flows.csv has phases out of their order")
     return phases

@@ -108,11 +108,11 @@ def predicted_along(
 
 
 def _compliant(walk: Walk, contact: Array) -> CompliantPrediction:
-    """The compliant prediction, with what it is told."""
-    told, moments = walk.setup.as_told, walk.recording.moments
-    rows = laid_commands(told, walk.stretches, walk.steps)
+    """The compliant prediction, with what it knows of the robot."""
+    known, moments = walk.setup.as_known, walk.recording.moments
+    rows = laid_commands(known, walk.stretches, walk.steps)
     times = moments.step * walk.setup.limits.timestep
-    found = foreseen(told, walk.stretches, rows, times, contact)
+    found = foreseen(known, walk.stretches, rows, times, contact)
     before = found.slip[moments.step.searchsorted(walk.starts)]
     return replace(found, slip=np.maximum(found.slip - before, 0.0))
 

@@ -6,16 +6,17 @@ against it. Sweeps have every number of the summary by its key.
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from importlib.resources import files
 from math import degrees
 
 from sim.evaluation.summary import Played, Summary
 from sim.scenarios.predictions import PREDICTIONS, prediction_key
 from sim.templates import render
 
-DEGREES = degrees(1.0)
-
+SCALES = {"mm": 1e3, "mrad": 1e3, "degrees": degrees(1.0), "%": 100.0}  # from SI units
 MINUS = "\N{MINUS SIGN}"
 NONE = "\N{EN DASH}"
 GOAL, ACHIEVED, MEASURED = "goal", "achieved", "measured"
@@ -34,7 +35,6 @@ class Quantity:
     key: str  # dotted name in summary.json; `*` is a row of `ROWS`
     label: str
     unit: str = ""  # in which it is shown
-    scale: float = 1.0  # from SI units to that unit
     digits: int = 0  # after the point
     column: str = ""  # its heading on the terminal; without one rows have a line for it
     width: int = 10  # of that column
@@ -44,6 +44,11 @@ class Quantity:
     def title(self) -> str:
         """Label and unit, as heads of tables have them."""
         return f"{self.label} [{self.unit}]" if self.unit else self.label
+
+    @property
+    def scale(self) -> float:
+        """From SI units to the unit in which it is shown."""
+        return SCALES.get(self.unit, 1.0)
 
     def value(self, summary: Summary, row: str = "") -> float | None:
         """The number in SI units, that of a row where each has one; None without it."""
@@ -66,46 +71,20 @@ class Quantity:
         return f"{self.scale * value:z.{self.digits}f} {self.unit}".rstrip()
 
 
-POSITION = Quantity("error.*.position", "at the end", "mm", 1e3, 2)
-YAW = Quantity("error.*.yaw", "in yaw", "mrad", 1e3, 2)
-MARGIN = Quantity("predicted.*.min_margin", "least margin", "mm", 1e3, 1, "margin")
-SLIP = Quantity("predicted.*.slip", "slip", "mm", 1e3, 1, "slip", 11)
+POSITION = Quantity("error.*.position", "at the end", "mm", 2)
+YAW = Quantity("error.*.yaw", "in yaw", "mrad", 2)
+MARGIN = Quantity("predicted.*.min_margin", "least margin", "mm", 1, "margin")
+SLIP = Quantity("predicted.*.slip", "slip", "mm", 1, "slip", 11)
 OF_ROWS = (  # beside where each row ends, and how far the physics ends off it
-    Quantity("error.*.farthest", "at most", "mm", 1e3, 2, "at most"),
+    Quantity("error.*.farthest", "at most", "mm", 2, "at most"),
     MARGIN,
     SLIP,
-    Quantity("predicted.*.slip_transition", "switch slip", "mm", 1e3, 1),
+    Quantity("predicted.*.slip_transition", "switch slip", "mm", 1),
 )
-WRONG = Quantity("feedback.wrong", "error of the estimate", "mm", 1e3, 2)
-CLAIMED = Quantity("feedback.claimed", "claimed error", "mm", 1e3, 2)
-OF_WALKS = (
-    Quantity("achieved.creep_floor", "creep floor", "mm", 1e3, 3),
-    Quantity("contact_switches", "contact switches"),
-    Quantity("contact_switches_achieved", "contact switches achieved"),
-    Quantity("bounces", "bounces"),
-    Quantity("path_length", "length of the path", "m", 1.0, 4),
-    Quantity("distance_walked", "way walked", "m", 1.0, 4),
-    Quantity("swing_travel", "swing of loaded groups", "rad", 1.0, 2),
-    Quantity("air_travel", "swing in the air", "rad", 1.0, 2),
-    WRONG,
-    CLAIMED,
-    Quantity("feedback.bound", "least possible error", "mm", 1e3, 2),
-    Quantity(
-        "error.measured.position", "off the measured body, at the end", "mm", 1e3, 2
-    ),
-    Quantity("error.measured.farthest", "off the measured body, at most", "mm", 1e3, 2),
-    *(
-        Quantity(f"measured.{key}", f"off the measured {name}", "degrees", DEGREES, 2)
-        for key, name in (
-            ("joints", "joints, rms"),
-            ("roll.off", "roll, at the end"),
-            ("roll.farthest", "roll, at most"),
-            ("pitch.off", "pitch, at the end"),
-            ("pitch.farthest", "pitch, at most"),
-        )
-    ),
-    Quantity("measured.contact", "contacts like the measured ones", "%", 100.0),
-    Quantity("simulated_time", "simulated time", "s", 1.0, 2),
+WALKS = tomllib.loads((files("sim.evaluation") / "quantities.toml").read_text("utf-8"))
+OF_WALKS = tuple(Quantity(key, **shown) for key, shown in WALKS.items())
+WRONG, CLAIMED = (
+    q for q in OF_WALKS if q.key in ("feedback.wrong", "feedback.claimed")
 )
 QUANTITIES = (POSITION, YAW, *OF_ROWS, *OF_WALKS)
 COLUMNS = tuple(quantity for quantity in OF_ROWS if quantity.column)

@@ -34,7 +34,7 @@ from sim.preparation.setup import Setup, prepare
 from sim.progress import Progress, silent
 
 SPAN = 0.25  # [rad] either side; loaded sweeps of the shipped walks stay within
-DEGREE = 6  # of the pose by the angle; the twist is of one degree less
+POSE_DEGREE = 6  # of the pose by the angle; the twist is of one degree less
 POSE_ROWS = 400  # poses read during a swing
 SPEED = 0.5  # [rad/s], at least
 ACCELERATION = 5.0  # [rad/s^2], at least
@@ -42,7 +42,7 @@ HOLD = 0.5  # [s], at most; a robot has settled by then
 TOLERATED = 0.2  # of a stroke's motion; up to 0.12 measured on shipped robots
 LONGEST_STAND = 10.0  # [s], that creep is measured for
 STATIC = 3  # feet at most whose loads follow from the weight alone
-FINE = 200  # parts of the way in which predictions are summed
+WAY_PARTS = 200  # parts of the way in which predictions are summed
 
 
 def identify(setup: Setup, progress: Progress = silent) -> IdentifiedTwists:
@@ -73,7 +73,7 @@ def confirmed(setup: Setup, name: str, field: MeasuredField) -> MeasuredField:
     if (came := np.abs(way).max()) < field.span / 2:
         what = "a stroke in the opposite direction came to"
         raise MeasurementError(f"{what} {came:.2g} of {field.span:.2g} rad")
-    ways = np.linspace(0.0, came, FINE)
+    ways = np.linspace(0.0, came, WAY_PARTS)
     share = _shares(setup, field, ways, way, pose)
     if (worst := share[ways <= field.span].max()) > TOLERATED:
         raise MeasurementError(
@@ -175,13 +175,13 @@ def _fit(
     velocity is turned into the body's frame and fitted once more.
     """
     yaw = np.unwrap(pose[:, 2])
-    x, y, theta = (Polynomial.fit(way, c, DEGREE) for c in (*pose.T[:2], yaw))
-    grid = span * np.cos(np.linspace(np.pi, 0, 4 * DEGREE))
+    x, y, theta = (Polynomial.fit(way, c, POSE_DEGREE) for c in (*pose.T[:2], yaw))
+    grid = span * np.cos(np.linspace(np.pi, 0, 4 * POSE_DEGREE))
     vx, vy, turn = (p.deriv()(grid) for p in (x, y, theta))
     cos, sin = np.cos(theta(grid)), np.sin(theta(grid))
     forward, left = cos * vx + sin * vy, cos * vy - sin * vx
     first, second, third = (
-        Polynomial.fit(grid, values, DEGREE - 1) for values in (forward, left, turn)
+        Polynomial.fit(grid, part, POSE_DEGREE - 1) for part in (forward, left, turn)
     )
     return first, second, third
 

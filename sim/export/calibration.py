@@ -111,7 +111,7 @@ def strokes(robot: Robot, rate: float) -> tuple[ServoCommands, dict[str, str]]:
     bump = np.concatenate([slope, 0 * slope + 1, slope[::-1], 0 * slope])[:, None]
     angles = np.concatenate([rest + move * bump for move in moves])
     each = len(bump) / rate
-    told = {
+    meanings = {
         f"0 to {each:.0f} s": "every leg turns anticlockwise, seen from above, and "
         "back; one that turns the other way has a wrong sign",
         f"to {2 * each:.0f} s": "every foot rises and comes down; one that pushes "
@@ -119,7 +119,7 @@ def strokes(robot: Robot, rate: float) -> tuple[ServoCommands, dict[str, str]]:
         f"to {len(moves) * each:.0f} s": "feet rise in the order of their legs and "
         "come down within their rings, which are a degree of swing in radius",
     }
-    return ServoCommands(tuple(joints), rate, angles), told
+    return ServoCommands(tuple(joints), rate, angles), meanings
 
 
 WIDTH, HEIGHT = 420, 300  # of one angle's picture [pixels]

@@ -75,9 +75,9 @@ class ServedWalk:
         schedule_flows(self.setup, scheduler, step.plan.segments())
         yield from self._rows(scheduler.finish())
 
-    def seen(self, segment: int, told: Sequence[float]) -> Stop:
+    def seen(self, segment: int, pose: Sequence[float]) -> Stop:
         """Tell feedback what was seen after a segment: x, y, yaw, NaN if it was not."""
-        now, reading = self.time, np.array([*told, np.nan])
+        now, reading = self.time, np.array([*pose, np.nan])
         unknown = np.full(3, np.nan)  # nobody knows where a real robot truly is
         moved = now - self._began, self._meant
         stop = stop_after(self.feedback, segment, now, *moved, reading, unknown)
@@ -88,7 +88,7 @@ class ServedWalk:
         return Scheduler(self.setup.limits, self._legs, self._steps)
 
     def _rows(self, schedule: Schedule) -> Iterator[Row]:
-        torques, practised = self._beforehand.leads(schedule)
+        torques, practised = self._beforehand.feed_forward(schedule)
         self._legs, self._steps = schedule.end, schedule.stop
         rows = [*self._drive.commands(schedule, torques, practised=practised)]
         clock = self.rate, self.setup.limits.timestep

@@ -20,7 +20,7 @@ from sim.feedback.sensing import Sensing
 from sim.motion.poses import compose, rotate, seen_from, wrap
 
 POSE, BIAS, SLOPE = slice(0, 3), slice(3, 6), slice(6, 15)
-OFFSET, RATE = 15, 16  # of the gyroscope
+OFFSET, DRIFT = 15, 16  # of the gyroscope
 STATES = 17
 GATE = 11.345  # 99 % of chi-squared with three degrees of freedom
 STRANGE = 3  # readings in a row beyond the gate that mean that the robot was moved
@@ -83,7 +83,7 @@ class Feedback:
     Poses are x, y [m] and yaw [rad] in the frame in which the walk starts.
 
     Args:
-        sensing: The noise of what it will be told.
+        sensing: The noise of the readings that it will get.
         radius: Mean distance of the feet from the body's centre [m].
         misses: What is expected of segments.
         learnt: What an earlier walk has learnt, in place of what `misses` expects.
@@ -126,7 +126,7 @@ class Feedback:
         first = np.zeros(STATES)
         first[BIAS] = misses.bias * unit
         first[SLOPE] = (misses.slope * np.outer(unit, 1 / unit)).ravel()
-        first[RATE] = sensing.gyro_drift
+        first[DRIFT] = sensing.gyro_drift
         self.covariance = np.broadcast_to(np.diag(first**2), (*batch, STATES, STATES))
         if learnt is not None:
             self.bias, self.slope = self.bias + learnt.bias, self.slope + learnt.slope
@@ -171,7 +171,7 @@ class Feedback:
         by_slope = turn[..., None] * meant[..., None, None, :]
         moves[..., POSE, SLOPE] = by_slope.reshape(*self.batch, 3, 9)
         moves[..., :2, 2] = rotate(step[..., :2], self.pose[..., 2] + np.pi / 2)
-        moves[..., OFFSET, RATE] = seconds
+        moves[..., OFFSET, DRIFT] = seconds
         added = np.zeros((*self.batch, STATES, STATES))
         added[..., POSE, POSE] = (turn * self.scatter**2) @ np.swapaxes(turn, -1, -2)
         added[..., BIAS, BIAS] = np.diag(self._wander**2)
@@ -185,40 +185,40 @@ class Feedback:
     ) -> None:
         """Take a reading: a camera's pose (..., 3), a gyroscope's yaw (...,).
 
-        What was not told is None or NaN. A reading that is farther off than 99 % should
+        What was not measured is None or NaN. A reading farther off than 99 % should
         be counts for less the farther it is. After three such in a row the robot was
         moved: its pose is learnt anew, and what it misses is kept.
         """
         if gyro is not None:
-            told = np.asarray(gyro, dtype=float)[..., None]
+            reading = np.asarray(gyro, dtype=float)[..., None]
             expected = (self.pose[..., 2] + self.gyro[..., 0])[..., None]
-            self._take(wrap(told - expected), [(2, OFFSET)], np.array([LEAST]))
+            self._take(wrap(reading - expected), [(2, OFFSET)], np.array([LEAST]))
         if pose is None:
             return
-        told = np.asarray(pose, dtype=float)
-        if told.shape[-1:] != (3,) or np.isinf(told).any():
+        reading = np.asarray(pose, dtype=float)
+        if reading.shape[-1:] != (3,) or np.isinf(reading).any():
             raise ValueError(f"{pose} is not x, y [m] and yaw [rad], or NaN")
-        off = told - self.pose
+        off = reading - self.pose
         off[..., 2] = wrap(off[..., 2])
         noise = np.maximum(self.sensing.noise, LEAST)
         self._take(off, [(0,), (1,), (2,)], noise, gated=not self.sensing.is_exact)
         if self.sensing.is_exact:
-            self.pose = np.where(np.isnan(told), self.pose, told)
+            self.pose = np.where(np.isnan(reading), self.pose, reading)
 
     def _take(
         self, off: Array, sums: list[tuple[int, ...]], noise: Array, gated: bool = False
     ) -> None:
         """Update by how far readings of sums of the state are off what is expected."""
-        told = ~np.isnan(off)
+        given = ~np.isnan(off)
         reads = np.zeros((len(sums), STATES))
         for row, states in enumerate(sums):
             reads[row, list(states)] = 1.0
-        seeing = told[..., None] * reads  # a reading that is not told sees nothing
-        off = np.where(told, off, 0.0)
-        variance = np.where(told & np.isfinite(noise), noise, 1.0)[..., None] ** 2
+        seeing = given[..., None] * reads  # a reading that is missing sees nothing
+        off = np.where(given, off, 0.0)
+        variance = np.where(given & np.isfinite(noise), noise, 1.0)[..., None] ** 2
         doubt = variance * np.eye(len(sums))
         if gated:
-            doubt = self._gate(off, seeing, doubt, np.asarray(told.any(axis=-1)))
+            doubt = self._gate(off, seeing, doubt, np.asarray(given.any(axis=-1)))
         spread = seeing @ self.covariance
         total = spread @ np.swapaxes(seeing, -1, -2) + doubt
         gain = np.swapaxes(np.linalg.solve(total, spread), -1, -2)
@@ -230,12 +230,12 @@ class Feedback:
         self.slope = self.slope + change[..., SLOPE].reshape(self.slope.shape)
         self.gyro = self.gyro + change[..., OFFSET:]
 
-    def _gate(self, off: Array, seeing: Array, doubt: Array, told: Array) -> Array:
+    def _gate(self, off: Array, seeing: Array, doubt: Array, given: Array) -> Array:
         """Variance of a reading, raised where it is farther off than it should be."""
         total = seeing @ self.covariance @ np.swapaxes(seeing, -1, -2) + doubt
         solved = np.linalg.solve(total, off[..., None])[..., 0]
         beyond = (off * solved).sum(axis=-1) / GATE
-        self._strange = np.where(beyond > 1, self._strange + 1, self._strange * ~told)
+        self._strange = np.where(beyond > 1, self._strange + 1, self._strange * ~given)
         was_moved = self._strange >= STRANGE
         shifted = np.where(was_moved[..., None], off**2, 0.0)
         self.covariance = self.covariance.copy()
@@ -261,7 +261,7 @@ def bound(
         knows.moved(motion - knows.bias, float(seconds[k]))
         if k < len(meant) - 1:
             pose = np.append(knows.pose, knows.pose[2])
-            told = np.where(np.isnan(seen[k]), np.nan, pose)
-            knows.seen(told[:3], told[3])
+            reading = np.where(np.isnan(seen[k]), np.nan, pose)
+            knows.seen(reading[:3], reading[3])
     x, y, yaw = knows.claimed
     return sqrt(x**2 + y**2), float(yaw)

@@ -1,7 +1,7 @@
 """Sensors that tell a robot's pose when it stops, and their readings in a simulation.
 
 A camera gives the whole pose with white noise, a gyroscope the yaw alone; its error
-grows as a random walk and by a constant rate. What is not told is NaN.
+grows as a random walk and by a constant rate. What is not measured is NaN.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ WILD = (0.1, 0.1, 0.5)  # how far a wild reading is off at most [m], [m], [rad]
 
 @dataclass(frozen=True, kw_only=True)
 class Sensing:
-    """What is told of the pose at the stop after each segment.
+    """What is measured of the pose at the stop after each segment.
 
     Example:
         >>> from sim import Sensing
@@ -33,7 +33,7 @@ class Sensing:
     position: float = 0.0  # deviation of one reading of x and y [m]; inf without one
     yaw: float = 0.0  # that of its yaw [rad]; infinite if it has none
     readings: int = 1  # taken and averaged at a stop
-    every: int = 1  # stops from one that is told to the next
+    every: int = 1  # stops from one that is measured to the next
     until: int | None = None  # segments after which there are no more readings
     lost: float = 0.0  # share of stops whose reading is lost
     wild: float = 0.0  # share of stops whose reading is anywhere within `WILD`
@@ -104,7 +104,7 @@ class Sensor:
         """
         sensing, random = self.sensing, self._random
         self._stops += 1
-        told = np.full((*self._batch, 4), np.nan)
+        readings = np.full((*self._batch, 4), np.nan)
         noise = np.where(np.isfinite(sensing.noise), sensing.noise, np.nan)
         seen = pose + noise * random.normal(0.0, 1.0, (*self._batch, 3))
         wild = pose + np.array(WILD) * random.uniform(-1.0, 1.0, (*self._batch, 3))
@@ -113,9 +113,9 @@ class Sensor:
         within = sensing.until is None or self._stops <= sensing.until
         if self._stops % sensing.every == 0 and within:
             seen = np.where(strays[..., None], wild, seen)
-            told[..., :3] = np.where(lost[..., None], np.nan, seen)
+            readings[..., :3] = np.where(lost[..., None], np.nan, seen)
         if sensing.gyro_noise is not None:
             grown = sensing.gyro_noise * sqrt(seconds) * random.normal(size=self._batch)
             self._offset = self._offset + self._rate * seconds + grown
-            told[..., 3] = pose[..., 2] + self._offset
-        return told
+            readings[..., 3] = pose[..., 2] + self._offset
+        return readings

@@ -15,6 +15,7 @@ from sim.folder import csv_rows, csv_text
 from sim.motion.poses import seen_from
 
 Numbers = tuple[float, ...]
+LARGEST = 1e9  # number of a stop
 FLAT = 1e-6  # singular values below it, as a share of the largest, are none
 POSE = ("x", "y", "yaw")
 NAMES = {  # of the columns of feedback.csv, by the fields of a stop in their order
@@ -56,9 +57,9 @@ def written(stops: Iterable[Stop]) -> str:
 def read(text: str) -> tuple[Stop, ...]:
     """The stops that a text of `written` lists.
 
-    A missing column is a KeyError, another number of entries a ValueError.
+    A missing column is a KeyError, other errors of a line are ValueErrors.
     """
-    return tuple(
+    stops = tuple(
         Stop(
             int(table["segment"]),
             float(table["time"]),
@@ -70,6 +71,11 @@ def read(text: str) -> tuple[Stop, ...]:
         )
         for table in csv_rows(text, "feedback.csv")
     )
+    for number, stop in enumerate(stops):
+        numbers = np.hstack(stop._replace(seen=tuple(np.nan_to_num(stop.seen))))
+        if stop.segment != number or not (np.abs(numbers) < LARGEST).all():
+            raise ValueError(f"feedback.csv has an impossible stop {number}")
+    return stops
 
 
 def stop_after(

@@ -74,15 +74,15 @@ Walks = Mapping[str, Future[Walked]]
 _walked: MutableSequence[float]  # in a process of the pool
 
 
-def perform(job: Job, told: Callable[[float], object] = lambda part: None) -> Walked:
-    """Make one walk; how much of it is walked is told from time to time."""
+def perform(job: Job, report: Callable[[float], object] = lambda part: None) -> Walked:
+    """Make one walk; how much of it is walked is reported from time to time."""
     settings = {"sample_every": SAMPLE_EVERY, **job.changes}
     scenario = load_scenario(job.scenario, settings)
     if not job.flows:
 
         def progress(stage: str, part: float) -> None:
             if stage == "walking":
-                told(part)
+                report(part)
 
         done = simulate(scenario, without=WITHOUT, progress=progress)
         return _gathered(done.evaluation)
@@ -137,11 +137,11 @@ def _end_as_well(parent: BaseProcess) -> None:
 
 
 def _perform(job: Job, number: int) -> Walked:
-    def told(part: float) -> None:
+    def report(part: float) -> None:
         _walked[number] = part
 
-    made = perform(job, told)
-    told(1.0)
+    made = perform(job, report)
+    report(1.0)
     return made
 
 

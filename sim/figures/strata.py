@@ -29,7 +29,7 @@ from sim.palette import Style
 ABSENT = palette.OUTLINE.hex  # sets of feet that are no strata
 Place = tuple[float, float]
 VIEW = {"elev": 24, "azim": -52}  # of the sheets [degrees]
-LANE, HIGH = 0.07, 0.25  # of arrows beside their edges; half the bottom's height
+LANE, HALF = 0.07, 0.25  # of arrows beside their edges; half the bottom's height
 SPREAD, NUMBERED = 0.62, 0.4  # of edges at the bottom; of the way to a step's number
 
 
@@ -144,7 +144,7 @@ def draw_graph(
 def _ends(one: Node, other: Node, bottom: Node) -> list[Place]:
     """Where an edge leaves its nodes; on the bottom one all ends are apart."""
     return [
-        (x + SPREAD * (to - x), y + HIGH) if node is bottom else node.at
+        (x + SPREAD * (to - x), y + HALF) if node is bottom else node.at
         for node, (x, y), to in (
             (one, one.at, other.at[0]),
             (other, other.at, one.at[0]),
@@ -157,7 +157,7 @@ def _draw_bottom(axes: Axes, node: Node, ends: Sequence[float]) -> None:
     left, right, y = min(ends) - 3 * LANE, max(ends) + 3 * LANE, node.at[1]
     shape: Style = {"facecolor": "white", "edgecolor": NOMINAL, "linewidth": 1.2}
     shape["boxstyle"] = "round,pad=0,rounding_size=0.06"
-    box = FancyBboxPatch((left, y - HIGH), right - left, 2 * HIGH, zorder=3, **shape)
+    box = FancyBboxPatch((left, y - HALF), right - left, 2 * HALF, zorder=3, **shape)
     axes.add_patch(box)
 
 
@@ -178,7 +178,7 @@ def _draw_step(
     start, end = np.array(ends)
     lane = np.array([LANE * np.sign(end[1] - start[1]), 0.0])
     both = zip(ends, boxes, strict=True)
-    first, last = (None if at[1] == HIGH else box for at, box in both)
+    first, last = (None if at[1] == HALF else box for at, box in both)
     arrow: Style = {"color": INK, "linewidth": 1.0, "mutation_scale": 8, "zorder": 2}
     arrow |= {"patchA": first, "patchB": last, "shrinkA": 0, "shrinkB": 0}
     arrow["arrowstyle"] = "-|>"

@@ -78,7 +78,7 @@ class Estimates:
         """Parameters that the measurements determine, (P, K), bool."""
         return self.error < UNSEEN * self.spread
 
-    def told(self, parameter: int, problem: int = 0) -> tuple[float, float]:
+    def of(self, parameter: int, problem: int = 0) -> tuple[float, float]:
         """Value and standard error, of a parameter itself where its logarithm is."""
         value, error = (float(a[problem, parameter]) for a in (self.value, self.error))
         if not self.parameters[parameter].logarithm:
@@ -86,7 +86,7 @@ class Estimates:
         return float(np.exp(value)), float(np.exp(value) * error)
 
     @property
-    def said(self) -> Array:
+    def evidence(self) -> Array:
         """Information times the values of the measurements alone, (P, K)."""
         pulled = (self.value - self.start) / self.spread**2  # by what was expected
         return np.einsum("pkl,pl->pk", self.information, self.value) + pulled
@@ -114,12 +114,12 @@ def solved(
     parameters: Sequence[Parameter],
     start: Array,
     information: Array,
-    said: Array,
+    evidence: Array,
     noise: Array,
 ) -> Estimates:
-    """Estimates from what measurements say, as `Estimates` has it."""
+    """Estimates from the evidence of measurements, as `Estimates` has it."""
     found = Estimates(tuple(parameters), start, start, information, noise)
-    toward = said + start / found.spread**2
+    toward = evidence + start / found.spread**2
     value = np.linalg.solve(information + found.expected, toward[..., None])[..., 0]
     return replace(found, value=np.maximum(value, [p.low for p in parameters]))
 
@@ -202,9 +202,9 @@ def together(each: Sequence[Estimates]) -> Estimates:
     if not others:
         return first
     information = sum((e.information for e in others), first.information)
-    said = sum((e.said for e in others), first.said)
+    evidence = sum((e.evidence for e in others), first.evidence)
     noise = np.sqrt(np.mean([e.noise**2 for e in each], axis=0))
-    return solved(first.parameters, first.start, information, said, noise)
+    return solved(first.parameters, first.start, information, evidence, noise)
 
 
 def pooled(each: Estimates, shared: Sequence[int]) -> tuple[Estimates, Estimates]:
@@ -215,15 +215,15 @@ def pooled(each: Estimates, shared: Sequence[int]) -> tuple[Estimates, Estimates
     """
     c = np.array(shared)
     p = np.setdiff1d(np.arange(len(each.parameters)), c)
-    H, said, expected = each.information, each.said, each.expected[p[:, None], p]
+    H, y, expected = each.information, each.evidence, each.expected[p[:, None], p]
     own, cross = H[:, p[:, None], p] + expected, H[:, c[:, None], p]
-    others = said[:, p] + each.start[:, p] / each.spread[p] ** 2
+    others = y[:, p] + each.start[:, p] / each.spread[p] ** 2
     through = cross @ np.linalg.inv(own)
     one = solved(
         [each.parameters[k] for k in c],
         each.start[:, c].mean(axis=0)[None],
         (H[:, c[:, None], c] - through @ np.swapaxes(cross, 1, 2)).sum(axis=0)[None],
-        (said[:, c] - np.einsum("pkl,pl->pk", through, others)).sum(axis=0)[None],
+        (y[:, c] - np.einsum("pkl,pl->pk", through, others)).sum(axis=0)[None],
         np.sqrt(np.mean(each.noise**2))[None],
     )
     rest = others - np.einsum("pkl,k->pl", cross, one.value[0])

@@ -50,7 +50,7 @@ SHARED = {"stiffness": "servo_stiffness", "damping": "servo_damping",
           "backlash": "backlash", "delay": "command_delay"}  # fmt: skip
 OWN = {"dead band": "dead_band", "zero": "zero_offset"}
 Value = float | list[float]
-Told = Mapping[str, tuple[Value, Value]]
+Fitted = Mapping[str, tuple[Value, Value]]
 """Settings of scenarios by name, and their standard errors."""
 
 
@@ -69,7 +69,7 @@ class JointFit:
         """Settings that were seen and their standard errors, for a robot's joints."""
         found: dict[str, tuple[Value, Value]] = {}
         for k, parameter in enumerate(self.make.parameters):
-            number, off = self.make.told(k)
+            number, off = self.make.of(k)
             none = parameter.low == 0 and number < SHOWS * off
             if self.make.seen[0, k]:
                 found[SHARED[parameter.name]] = 0.0 if none else number, off
@@ -191,10 +191,10 @@ def _scanned(commanded: Commanded, rows: Array, measured: Array, start: Array) -
     return best
 
 
-def card_text(robot: Robot, told: Told, sources: Sequence[str]) -> str:
-    """The robot's card with settings that its logs told, in place of earlier ones."""
-    lines = [f"{key} = {json.dumps(value)}" for key, (value, _) in told.items()]
-    errors = [f"{key} = {json.dumps(error)}" for key, (_, error) in told.items()]
+def card_text(robot: Robot, fitted: Fitted, sources: Sequence[str]) -> str:
+    """The robot's card with settings that were fitted, in place of earlier ones."""
+    lines = [f"{key} = {json.dumps(value)}" for key, (value, _) in fitted.items()]
+    errors = [f"{key} = {json.dumps(error)}" for key, (_, error) in fitted.items()]
     came = f"source = {json.dumps(list(sources), ensure_ascii=False)}"
     table = [*lines, came, "", "[fitted.errors]", *errors]
     return robot.card_text.partition(ON_CARD)[0] + ON_CARD + "\n".join(table) + "\n"

@@ -17,7 +17,7 @@ from sim.compliant.anatomy import Robots
 from sim.compliant.phases import Course, Phases
 from sim.compliant.prediction import course_along, phases_of
 from sim.fitting.estimate import Estimates, Parameter, estimate
-from sim.fitting.fitting import FITTED, Told
+from sim.fitting.fitting import FITTED, Fitted
 from sim.logs.log import Log
 from sim.motion.poses import relative
 from sim.preparation.setup import Setup
@@ -35,7 +35,7 @@ BODY = (
     Parameter(name="stiffness", unit="N m/rad", spread=0.5, step=0.05, logarithm=True),
 )
 SETTINGS = {"friction": [0], "payload": [1, 2, 3], "slope": [4, 5],
-            "servo_stiffness": [6]}  # told if any of their numbers is seen  # fmt: skip
+            "servo_stiffness": [6]}  # shown if any of them is seen  # fmt: skip
 LEVEL = 1e-5  # [rad]; a slope from which on directions of phases matter
 LIGHTEST = 0.03  # [kg]; a payload whose place shows, and not its mass
 MOMENTS = 400  # of a walk at most, at which its pose is fitted
@@ -50,7 +50,7 @@ class PoseFit:
     after: float  # as `settings` have it [m]
 
     @property
-    def settings(self) -> Told:
+    def settings(self) -> Fitted:
         """Settings that were seen, with their standard errors."""
         (value,), (error,) = self.found.value, self.found.error
         mass, off = max(value[1], LIGHTEST), error[1]
@@ -58,13 +58,13 @@ class PoseFit:
         errors = np.hypot(error[2:4], places * off) / mass
         x, y = value[4:6].tolist()
         steep, sideways = hypot(x, y), float(np.hypot(*error[4:6]))
-        told: Told = {
-            "friction": self.found.told(0),
+        fitted: Fitted = {
+            "friction": self.found.of(0),
             "payload": ([mass, *places.tolist(), 0.0], [off, *errors.tolist(), 0.0]),
             "slope": ([steep, atan2(y, x)], [sideways, sideways / max(steep, LEVEL)]),
-            "servo_stiffness": self.found.told(6),
+            "servo_stiffness": self.found.of(6),
         }
-        return {name: told[name] for name in _told_of(self.found)}
+        return {name: fitted[name] for name in _settings_of(self.found)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,7 +118,7 @@ def log_of(run: Run) -> Log:
 
 
 def walked_of_run(run: Run) -> Walked:
-    """A finished run; the prediction is told none of its imperfections."""
+    """A finished run; the prediction knows none of its imperfections."""
     untold = replace(run, settings={**run.settings, "known": "none"})
     phases, course = course_of_run(untold)
     rows = run.walking
@@ -158,15 +158,15 @@ def fit_poses(walked: Walked) -> PoseFit:
         return off.reshape(len(off), -1, 1)
 
     found = estimate(model, np.zeros((3 * cut, 1)), BODY, start[None], start[None])
-    told = start.copy()
-    for name in _told_of(found):
-        told[SETTINGS[name]] = found.value[0, SETTINGS[name]]
-    off = walked.missed(np.stack([start, told]), cut)[..., cut:]
+    fitted = start.copy()
+    for name in _settings_of(found):
+        fitted[SETTINGS[name]] = found.value[0, SETTINGS[name]]
+    off = walked.missed(np.stack([start, fitted]), cut)[..., cut:]
     before, after = np.sqrt((off**2).mean(axis=(1, 2)) * 3).tolist()
     return PoseFit(found, before, after)
 
 
-def _told_of(found: Estimates) -> list[str]:
+def _settings_of(found: Estimates) -> list[str]:
     return [name for name, group in SETTINGS.items() if found.seen[0, group].any()]
 
 

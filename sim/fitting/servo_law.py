@@ -39,7 +39,7 @@ SETTLING = 0.5  # [s] that it then stands
 
 @dataclass(frozen=True, eq=False)
 class Commanded:
-    """What joints are told, in equal steps of time, and what they bear meanwhile."""
+    """Angles that joints are asked for, in equal steps of time, and their loads."""
 
     step: float  # [s]
     angle: Array  # (T, P) [rad]
@@ -56,8 +56,8 @@ class Commanded:
         w, b = servos[..., 2].ravel() / 2, servos[..., 3].ravel() / 2
         lanes = len(servos)
         inertia = np.tile(self.inertia, lanes)
-        told = np.tile(self.angle, (1, lanes)) + servos[..., 4].ravel()
-        told[1:] = (told[1:] + told[:-1]) / 2  # of a step, its middle
+        asked = np.tile(self.angle, (1, lanes)) + servos[..., 4].ravel()
+        asked[1:] = (asked[1:] + asked[:-1]) / 2  # of a step, its middle
         load = np.tile(self.load, (1, lanes))
         zero, one = np.zeros_like(k), np.ones_like(k)
         held = expm(self.step * _rows((zero, one), (-k / inertia, -d / inertia)))
@@ -65,13 +65,13 @@ class Commanded:
         (_, held_v), (held_p, held_t) = np.moveaxis(held, 0, -1)
         held_q, free_v, free_s = held[:, 0, 0], free[:, 0, 1], free[:, 1, 1]
         falls, slows = (self.step - free_v) / d, (1 - free_s) / d  # under a unit's load
-        bent, angle = load / k, np.empty_like(told)
-        q, v = told[0] - bent[0] - np.sign(load[0]) * w, zero
+        bent, angle = load / k, np.empty_like(asked)
+        q, v = asked[0] - bent[0] - np.sign(load[0]) * w, zero
         s, u = -np.sign(load[0]) * b, zero  # of the leg, from the motor
         kept = np.exp(-self.step * RUBBED / np.tile(self.leg, lanes))
         fallen = load * (1 - kept) / RUBBED
-        for t in range(len(told)):
-            e = told[t] - q
+        for t in range(len(asked)):
+            e = asked[t] - q
             rest = e - np.minimum(np.maximum(e, -w), w) - bent[t]
             held_turn = rest - held_q * rest + held_v * v
             held_speed = held_t * v - held_p * rest

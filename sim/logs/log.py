@@ -101,8 +101,8 @@ class Log:
         starts = np.arange(times)[:, None] * self.time[-1]
         time = np.append(starts + self.time[:-1], times * self.time[-1])
         rows = np.vstack([*[self.commanded[:-1]] * times, self.commanded[-1:]])
-        said = (*self.done, f"repeated {times} times")
-        return Log(time, self.joints, rows, done=said)
+        done = (*self.done, f"repeated {times} times")
+        return Log(time, self.joints, rows, done=done)
 
 
 def of_function(gait: Gait, duration: float, rate: float = 200.0) -> Log:

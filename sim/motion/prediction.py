@@ -21,7 +21,7 @@ from sim.motion.poses import compose
 from sim.motion.schedule import Schedule
 from sim.motion.stability import stability_margin
 
-STEP = 0.02  # [rad] that the legs swing at most between inspections
+INSPECTED_SWING = 0.02  # [rad] that the legs swing at most between inspections
 LIFTS = 4  # inspections of a lift-off or touchdown
 
 
@@ -114,7 +114,7 @@ def inspections(schedule: Schedule) -> Array:
         samples = LIFTS
         if phase.kind == "swing":
             farthest = abs(phase.amount) * max(map(abs, phase.direction))
-            samples = 1 + int(np.ceil(farthest / STEP))
+            samples = 1 + int(np.ceil(farthest / INSPECTED_SWING))
         found.append(1 + phase.start + _spread(phase.steps, samples))
     return np.concatenate(found)
 

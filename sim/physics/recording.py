@@ -32,7 +32,7 @@ from sim.world.sensors import SELF_CONTACT, Touches
 
 NEVER = np.iinfo(np.int64).max
 NONE = np.zeros(0, dtype=int)
-SHORT = 1e-6  # of a range of forces, within which its end counts as reached
+NEAR_END = 1e-6  # of a range of forces, within which its end counts as reached
 T = TypeVar("T", bound=Iterable[Array])
 
 
@@ -164,7 +164,7 @@ class Recorder:
         """In how many steps, (n, nu), each actuator gave all the force that it has."""
         model = self.engine.model
         low, high = model.actuator_forcerange.T
-        near = SHORT * (high - low)
+        near = NEAR_END * (high - low)
         full = (force <= low + near) | (force >= high - near)
         steps: Array = (full & (model.actuator_forcelimited > 0)).sum(axis=0)
         return steps

@@ -55,8 +55,8 @@ def check_standing(
             raise
         with suppress(ModelError):
             _check_standing(kinematics, world_of(scenario.as_planned).model, lift_angle)
-            told = (f"{n} = {getattr(scenario, n)}" for n in imperfect(scenario))
-            what = f"{kinematics.robot} does not stand with {', '.join(told)}"
+            settings = (f"{n} = {getattr(scenario, n)}" for n in imperfect(scenario))
+            what = f"{kinematics.robot} does not stand with {', '.join(settings)}"
             remedy = "change or leave out what is too much: without, the robot stands"
             raise UsageError(what, f"scenario {scenario.name!r}", remedy) from refusal
         raise

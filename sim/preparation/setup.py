@@ -66,9 +66,9 @@ class Setup:
         return self.with_imperfections(self.scenario.as_planned)
 
     @cached_property
-    def as_told(self) -> Setup:
+    def as_known(self) -> Setup:
         """The same with what the compliant prediction knows of the imperfections."""
-        return self.with_imperfections(self.scenario.as_told)
+        return self.with_imperfections(self.scenario.as_known)
 
     def with_imperfections(self, scenario: Scenario) -> Setup:
         """The same robot in the world of a scenario with other imperfections."""

@@ -19,6 +19,7 @@ import numpy as np
 from models import ModelError
 from planner import Array
 from planner.support import open_file
+from sim.endings import command
 from sim.errors import UsageError
 from sim.scenarios.file import shipped_scenarios
 
@@ -151,7 +152,7 @@ def reading(folder: Path) -> Iterator[None]:
             raise UsageError("no such run folder", str(folder), remedy)
         if lacks := {"scenario.toml", "summary.json"}.difference(os.listdir(folder)):
             if any(folder.glob("sweep*.json")):
-                remedy = f"stratawalk study {folder} tells what it says"
+                remedy = f"{command('study', folder)} tells what it says"
                 raise UsageError("a sweep and no run", str(folder), remedy)
             raise FileNotFoundError(f"it lacks {min(lacks)}")
         yield

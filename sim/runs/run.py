@@ -283,8 +283,15 @@ def _require_one_walk(run: Run) -> None:
     """Refuse files that are of different walks, with a ValueError."""
     clock, end = run.commands["time"], run.time[-1]
     ends = end - clock[-1] - np.diff(clock).max(initial=0.0), end - run.phases[-1].end
-    off = run.achieved[-1] - run.summary.achieved.pose
-    if np.abs([*ends, *off]).max() > SAME:
+    achieved, began = run.summary.achieved, run.summary.walk_starts - SAME
+    off = run.achieved[-1] - achieved.pose
+    walked = [phase for phase in run.phases if phase.start >= began]
+    slips = [achieved.slip - sum(phase.slip for phase in walked)]
+    if achieved.slip_swing is not None:
+        swings = (phase.slip for phase in walked if phase.kind == "swing")
+        slips.append(achieved.slip_swing - sum(swings))
+    more = run.segments > max(run.summary.segments, 1)
+    if more or np.abs([*ends, *off, *slips]).max() > SAME:
         raise ValueError("its files are of different walks")
     if run.summary.weighed and run.summary.weighed.prediction not in [*run.predicted]:
         raise ValueError(f"unknown prediction {run.summary.weighed.prediction!r}")

@@ -32,13 +32,13 @@ Effect = Literal[
     "world",
     "drive",
     "refusal",
-    "told",
+    "known",
     "rows",
     "film",
 ]
 """What a setting can change: names, a robot's equations, the flows of a plan, the time
 that phases take, the physics, the commands of servos, what is refused, what the
-compliant prediction is told, the rows that are written, the film."""
+compliant prediction knows, the rows that are written, the film."""
 
 
 @dataclass(frozen=True, slots=True)

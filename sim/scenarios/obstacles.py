@@ -29,7 +29,7 @@ from sim.scenarios.declaration import (
 Point = tuple[float, float]
 
 THICKNESS = 0.02  # of a wall [m], if it says nothing
-HEIGHT = 0.12  # [m], above the shipped robots
+OBSTACLE_HEIGHT = 0.12  # [m], above the shipped robots
 FARTHEST = 1e3  # [m] from the start
 SMALLEST_SIZE = 1e-4  # [m]; smaller sizes are taken for mistakes
 
@@ -166,7 +166,7 @@ def _decode(given: object, where: str) -> Obstacle:
     except ValueError as error:
         raise refusal(points, str(error), at) from error
     own = tuple((key, _frozen(v)) for key, v in table.items() if key != "kind")
-    return Obstacle(table["kind"], own, values.get("height", HEIGHT), pieces)
+    return Obstacle(table["kind"], own, values.get("height", OBSTACLE_HEIGHT), pieces)
 
 
 def _frozen(value: object) -> object:

@@ -20,7 +20,7 @@ class PredictionName(NamedTuple):
     key: str  # in summary.json and in the columns of sweeps
     label: str  # for people, and as a value of `steer`
     prefix: str  # of its arrays in trajectory.npz
-    ignores: Collection[str] | None = IMPERFECTIONS  # None: all that it is not told
+    ignores: Collection[str] | None = IMPERFECTIONS  # None: all that it is not given
 
     def array(self, quantity: str) -> str:
         """Name of one of its arrays in trajectory.npz, such as `predicted_pose`."""
@@ -30,7 +30,7 @@ class PredictionName(NamedTuple):
         """What a scenario sets and this prediction ignores, separated by commas."""
         found = imperfect(scenario)
         if self.ignores is None:
-            return ", ".join(name for name in found if name not in told(scenario))
+            return ", ".join(name for name in found if name not in known_of(scenario))
         return ", ".join(name for name in found if name in self.ignores)
 
 
@@ -67,8 +67,8 @@ def imperfect(scenario: Settings) -> tuple[str, ...]:
     return tuple(name for name, value in values if value != SETTINGS[name].default)
 
 
-def told(scenario: Settings) -> tuple[str, ...]:
-    """Those of them that the compliant prediction knows.
+def known_of(scenario: Settings) -> tuple[str, ...]:
+    """The imperfections that it sets and that the compliant prediction knows.
 
     What is drawn is not known unless it is asked for; bumps never are.
     """

@@ -14,7 +14,7 @@ from sim.errors import UsageError
 from sim.scenarios.body_path import NominalPath
 from sim.scenarios.declaration import Effect, Setting, accept
 from sim.scenarios.obstacles import Obstacle
-from sim.scenarios.predictions import COMPLIANT, imperfect, prediction_key, told
+from sim.scenarios.predictions import COMPLIANT, imperfect, known_of, prediction_key
 from sim.scenarios.settings import IMPERFECTIONS, SETTINGS, Settings
 
 if TYPE_CHECKING:
@@ -90,16 +90,11 @@ class Scenario(Settings):
         return replace(self.as_planned, dead_band=band, backlash=slack)
 
     @property
-    def told(self) -> tuple[str, ...]:
-        """The imperfections that it has and that the compliant prediction knows."""
-        return told(self)
-
-    @property
-    def as_told(self) -> Self:
-        """The same with those imperfections alone that the prediction knows."""
+    def as_known(self) -> Self:
+        """The same with only the imperfections that the compliant prediction knows."""
         if not self.is_imperfect:
             return self
-        kept = {name: getattr(self, name) for name in self.told}
+        kept = {name: getattr(self, name) for name in known_of(self)}
         return replace(self.as_planned, **kept)
 
     @staticmethod
@@ -144,7 +139,7 @@ def drawn(scenario: Scenario, robot: Robot) -> Scenario:
     )
     if scenario.known != "given":
         return found
-    kept = (n for n in scenario.told if getattr(found, n) == getattr(scenario, n))
+    kept = (n for n in known_of(scenario) if getattr(found, n) == getattr(scenario, n))
     return replace(found, known=tuple(kept) or "none")
 
 

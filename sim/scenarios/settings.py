@@ -216,7 +216,7 @@ class Settings:
         "predictions to make beside the ideal one; all if not given", None, "rows"
     )
     known: Literal["given", "all", "none"] | tuple[str, ...] = setting(
-        "imperfections that the compliant prediction knows", "given", "told"
+        "imperfections that the compliant prediction knows", "given", "known"
     )
     draw: Annotated[int, Range(0, 2**32 - 1)] = setting(
         "number of the draw of random imperfections", 0, ("world", "drive")

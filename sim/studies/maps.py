@@ -42,7 +42,7 @@ UNITS = {
     "stiffness": "[N m/rad]", "damping": "[N m s/rad]", "armature": "[kg m²]",
 }  # fmt: skip
 """Of the numbers of a robot's shape; the others are lengths."""
-HIGH = 3.2  # [in]
+SHEET_HEIGHT = 3.2  # [in]
 MOST_LABELS = 200  # at an axis
 EXTREMES = 5  # points among the best, and among the worst
 
@@ -70,7 +70,7 @@ def figures(
     with mpl.rc_context(style), catch_warnings():
         filterwarnings("ignore", "Glyph", UserWarning)  # names in any script
         for keys in pairs or [(key,) for key in varying]:
-            figure, axes = sheet_of("a", HIGH)
+            figure, axes = sheet_of("a", SHEET_HEIGHT)
             (_draw_map if len(keys) == 2 else _draw_curve)(axes["a"], results, *keys)
             _legend(axes["a"], results)
             yield keys, figure

@@ -80,7 +80,7 @@ def sensitivities(
 def course_of_run(run: Run) -> tuple[Phases, Course]:
     """The run's robot as the compliant prediction knows it, and its commands."""
     setup = prepare(run.scenario)
-    phases = phases_of(setup.as_told)
+    phases = phases_of(setup.as_known)
     spans = np.array([(phase.start, phase.end) for phase in run.phases])
     heading = np.interp(spans[:, 0], run.time, np.unwrap(run.achieved[:, 2]))
     steps = np.round(spans / setup.limits.timestep).astype(int)

@@ -10,6 +10,7 @@ from typing import Any
 import pyarrow as pa
 from pyarrow import parquet
 
+from sim.endings import command
 from sim.errors import UsageError
 from sim.folder import whole
 from sim.sweeps.file import shipped_studies
@@ -46,12 +47,11 @@ def read_table(path: Path) -> tuple[dict[str, list[object]], dict[str, Any]]:
         if str(path) in shipped_studies():
             remedy = f"sweep it first: stratawalk sweep {path} --out sweeps/{path}"
         elif any(path.parent.glob("ledger*.jsonl")):
-            remedy = (
-                "end its sweep with --resume, or merge its shards: stratawalk merge"
-            )
+            shards = command("merge", path.parent)
+            remedy = f"end its sweep with --resume, or merge its shards: {shards}"
         elif len(runs := sorted(path.parent.glob("*/summary.json"))) > 1:
-            two = " ".join(str(run.parent) for run in runs[-2:])
-            remedy = f"runs are compared: stratawalk compare {two}"
+            two = command("compare", *(run.parent for run in runs[-2:]))
+            remedy = f"runs are compared: {two}"
         raise UsageError("no such table", str(path), remedy)
     try:
         declared = parquet.read_metadata(path)

@@ -113,8 +113,8 @@ class Ahead:
     """Sees ahead where plans of a robot end; phases in common are computed once."""
 
     def __init__(self, setup: Setup) -> None:
-        self._told = setup.as_told
-        self._phases = phases_of(self._told)
+        self._known = setup.as_known
+        self._phases = phases_of(self._known)
 
     def end(self, setup: Setup, planned: Plan) -> Array:
         """Pose at the end of a plan in the start frame, (3,), yaw not wrapped.
@@ -122,6 +122,6 @@ class Ahead:
         Raises MeasurementError where the robot tips over, or no equilibrium is found.
         """
         stretches = laid_out(setup, planned)
-        rows = laid_commands(self._told, stretches, stretches[-1].schedule.stop)
-        course = course_of(self._told, self._phases, stretches, rows)
+        rows = laid_commands(self._known, stretches, stretches[-1].schedule.stop)
+        course = course_of(self._known, self._phases, stretches, rows)
         return self._phases.follow(course).pose[-1]

@@ -142,7 +142,7 @@ class Walker:
             return
         check_effort(self.setup, schedule.stop)
         began, length = time.perf_counter(), schedule.stop - schedule.start
-        torques, practised = self._beforehand.leads(schedule)
+        torques, practised = self._beforehand.feed_forward(schedule)
         self._drive.require_reach(schedule, torques)
         self._stretches.append(Stretch(schedule, self.pose, torques, practised))
         self._shape = schedule.end

@@ -39,7 +39,7 @@ def with_own_band(scenario: Scenario, card: Card) -> Scenario:
 def dead_bands(scenario: Scenario, joints: int) -> Array:
     """Whole width of each leg joint's band, as it is simulated, shape (J,) [rad]."""
     wanted = np.broadcast_to(np.array(scenario.dead_band, dtype=float), joints)
-    spread = scenario.dead_band_spread
+    spread = abs(scenario.dead_band_spread)  # which may be -0.0
     random = np.random.default_rng((scenario.draw, len(BAND)))
     drawn: Array = wanted * (1 + random.uniform(-spread, spread, joints))
     return drawn

@@ -18,8 +18,8 @@ from sim.scenarios.scenario import Scenario
 
 BUMPS = "bumps"  # name of the height field
 CELL = 0.01  # [m] between heights, or more where the floor is large
-WIDE = 3.0  # cells; standard deviation of what heights are averaged over
-MARGIN = 0.5  # [m] of floor around the path
+SMOOTHED_CELLS = 3.0  # cells; standard deviation of what heights are averaged over
+FLOOR_MARGIN = 0.5  # [m] of floor around the path
 MOST_HEIGHTS = 400  # heights along a side
 DEEP = 0.05  # [m] of floor under the lowest height
 LEVEL = 1e-3  # [rad]; a plane tilted less is horizontal, as single precision writes it
@@ -132,11 +132,11 @@ def add_bumps(spec: mujoco.MjSpec, floor: Floor, scenario: Scenario) -> None:
     from scipy.ndimage import gaussian_filter  # slow to import, and seldom needed
 
     way = scenario.path.curve.at(np.linspace(0.0, 1.0, 101))[:, :2]
-    low, high = way.min(axis=0) - MARGIN, way.max(axis=0) + MARGIN
+    low, high = way.min(axis=0) - FLOOR_MARGIN, way.max(axis=0) + FLOOR_MARGIN
     sides = np.clip(np.ceil((high - low) / CELL), 2, MOST_HEIGHTS).astype(int)
     half = (high - low) / 2
     drawn = np.random.default_rng([scenario.draw, 1]).standard_normal(sides[::-1])
-    smooth = gaussian_filter(drawn, WIDE, mode="nearest")
+    smooth = gaussian_filter(drawn, SMOOTHED_CELLS, mode="nearest")
     heights = (smooth - smooth.min()) / np.ptp(smooth)  # a row for each y
     spec.add_hfield(
         name=BUMPS,

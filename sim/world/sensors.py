@@ -26,7 +26,7 @@ _MANY = 4  # contacts of a foot, of which the engine tells
 _SLOTS = {mujoco.mjtGeom.mjGEOM_SPHERE: 1, mujoco.mjtGeom.mjGEOM_CAPSULE: 2}
 
 Part = tuple[mujoco.mjtObj, str]  # kind and name of what touches or is touched
-Told = tuple[int, int]  # fields of a contact, and of how many
+Data = tuple[int, int]  # fields of a contact, and of how many
 
 
 def ensure_sensors(
@@ -38,8 +38,8 @@ def ensure_sensors(
     """
     slots = {} if uneven else _SLOTS
     for geom in robot.card.feet:
-        told = _FOUND | _FORCE | _PLACE | _SPEED, slots.get(spec.geom(geom).type, _MANY)
-        _watch(spec, contact_sensor(geom), (_GEOM, floor), (_GEOM, geom), told)
+        data = _FOUND | _FORCE | _PLACE | _SPEED, slots.get(spec.geom(geom).type, _MANY)
+        _watch(spec, contact_sensor(geom), (_GEOM, floor), (_GEOM, geom), data)
     _ensure(
         spec,
         name="center_of_mass",
@@ -56,10 +56,10 @@ def contact_sensor(geom: str) -> str:
 
 
 def _watch(
-    spec: mujoco.MjSpec, name: str, one: Part, other: Part, told: Told = (_FOUND, 1)
+    spec: mujoco.MjSpec, name: str, one: Part, other: Part, data: Data = (_FOUND, 1)
 ) -> None:
     """Ensure a sensor of the contacts between two parts."""
-    kind = {"type": mujoco.mjtSensor.mjSENS_CONTACT, "intprm": [told[0], 0, told[1]]}
+    kind = {"type": mujoco.mjtSensor.mjSENS_CONTACT, "intprm": [data[0], 0, data[1]]}
     first = {"objtype": one[0], "objname": one[1]}
     _ensure(spec, name, **kind, **first, reftype=other[0], refname=other[1])
 

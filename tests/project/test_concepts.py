@@ -39,14 +39,24 @@ def number(node):
     return value if type(value) in (int, float) else None
 
 
+def constants(module):
+    """Names and values of the module's own assignments, one by one."""
+    for node in module.body:
+        if not isinstance(node, ast.Assign | ast.AnnAssign) or node.value is None:
+            continue
+        targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+        for target in targets:
+            if isinstance(target, ast.Tuple) and isinstance(node.value, ast.Tuple):
+                yield from zip(target.elts, node.value.elts, strict=True)
+            else:
+                yield target, node.value
+
+
 def test_no_name_of_a_constant_has_three_values():
     values = defaultdict(lambda: defaultdict(list))
     for path in FILES:
-        for node in ast.parse(path.read_text()).body:
-            target = (
-                getattr(node, "target", None) or getattr(node, "targets", [None])[0]
-            )
+        for target, node in constants(ast.parse(path.read_text())):
             name = getattr(target, "id", "")
-            if name.isupper() and (value := number(node.value)) is not None:
+            if name.isupper() and (value := number(node)) is not None:
                 values[name][value].append(str(path.relative_to(ROOT)))
     assert {name: dict(v) for name, v in values.items() if len(v) > 2} == {}

@@ -199,6 +199,31 @@ DAMAGES = {
         words(lambda text: text + text.splitlines()[3] + "\n"),
         ALL,
     ),
+    "a phase of no kind": (
+        "flows.csv",
+        words(lambda text: text.replace(",lift,", ",<b>,", 1)),
+        "show cite",
+    ),
+    "a phase that slips without end": (
+        "flows.csv",
+        words(lambda text: text.replace(",1\n", "1e300,1\n", 1)),
+        "show cite",
+    ),
+    "phases of other slip": (
+        "flows.csv",
+        words(lambda text: re.sub(r"[^,]*,1$", "0.001,1", text, flags=re.MULTILINE)),
+        "show cite",
+    ),
+    "a phase of a segment before": (
+        "flows.csv",
+        words(lambda text: re.sub(r"^5,0,", "5,-1,", text, flags=re.MULTILINE)),
+        "show cite",
+    ),
+    "a phase of a segment that was not planned": (
+        "flows.csv",
+        words(lambda text: re.sub(r"\n(\d+),1,", r"\n\1,999,", text)),
+        "show cite",
+    ),
     "a film without end": (
         "scenario.toml",
         words(lambda text: text.replace("playback = 60.0", "playback = 1e-9")),

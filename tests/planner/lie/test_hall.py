@@ -26,6 +26,18 @@ def test_generators_count_from_one_and_come_first():
     assert hall_basis(3, 2)[:3] == (1, 2, 3)
 
 
+def test_one_generator_has_no_brackets_up_to_any_degree():
+    assert hall_basis(1, 10**30) == (1,)
+
+
+@pytest.mark.parametrize(
+    ("generators", "max_degree"), [(2, 24), (2, 10**30), (10**30, 1), (10**30, 10**30)]
+)
+def test_bases_without_end_are_refused_at_once(generators, max_degree):
+    with pytest.raises(ValueError, match="have more than 1,000,000 Hall elements"):
+        hall_basis(generators, max_degree)
+
+
 @pytest.mark.parametrize(("generators", "max_degree"), SMALL)
 def test_order_is_by_degree_then_left_then_right_element(generators, max_degree):
     basis = hall_basis(generators, max_degree)

@@ -43,7 +43,7 @@ def stroke(setup):
 def test_a_practised_stroke_ends_where_it_would_without_slack(classroom, slack):
     setup = classroom(resolution=0.0, **slack)
     schedule = stroke(setup)
-    made_up, practised = Beforehand(setup, Drive(setup)).leads(schedule)
+    made_up, practised = Beforehand(setup, Drive(setup)).feed_forward(schedule)
 
     def angles(walking, shifts):
         found, _ = Practised(walking).walk(schedule, made_up, shifts)

@@ -165,8 +165,8 @@ def test_bar_can_be_kept_quiet(monkeypatch):
 
 
 def test_a_quantity_of_the_walk_that_asks_for_it_has_a_line(summary, monkeypatch):
-    travel = Quantity("swing_travel", "strokes", "mrad", 1e3, 1, line=True)
-    silent_one = Quantity("air_travel", "in the air", "mrad", 1e3, 1)
+    travel = Quantity("swing_travel", "strokes", "mrad", 1, line=True)
+    silent_one = Quantity("air_travel", "in the air", "mrad", 1)
     monkeypatch.setattr(quantities, "OF_WALKS", (travel, silent_one))
     lines = describe(summary).splitlines()
     assert "strokes      5000.0 mrad" in lines

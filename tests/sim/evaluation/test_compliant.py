@@ -5,6 +5,7 @@ import pytest
 
 from sim.evaluation.assessment import evaluate
 from sim.scenarios.file import load_scenario
+from sim.scenarios.predictions import known_of
 from sim.simulation import simulate
 
 SHORT = {"segments": 1, "path.goal": [0.01, 0.01, 0.0], "servo_stiffness": 50.0}
@@ -64,9 +65,9 @@ def test_the_body_leans_and_rests_as_in_the_physics(laden):
 )
 def test_what_is_given_is_known_and_what_is_drawn_is_not(changes, told):
     scenario = load_scenario("line", changes)
-    assert scenario.told == told
-    assert scenario.as_told.told == told or scenario.known != "given"
-    assert set(scenario.as_told.told) <= set(told)
+    assert known_of(scenario) == told
+    assert known_of(scenario.as_known) == told or scenario.known != "given"
+    assert set(known_of(scenario.as_known)) <= set(told)
 
 
 def test_a_hobby_robots_draw_stays_hidden_when_it_is_walked_again(hexapod):
@@ -74,9 +75,9 @@ def test_a_hobby_robots_draw_stays_hidden_when_it_is_walked_again(hexapod):
 
     hobby = drawn(load_scenario("line", {"imperfect": "hobby"}), hexapod)
     assert hobby.payload is not None
-    assert hobby.told == ()
+    assert known_of(hobby) == ()
     handed = {"imperfect": "hobby", "command_delay": 0.01}
-    assert drawn(load_scenario("line", handed), hexapod).told == ("command_delay",)
+    assert known_of(drawn(load_scenario("line", handed), hexapod)) == ("command_delay",)
 
 
 def test_an_unknown_imperfection_is_refused_by_its_name():

@@ -9,12 +9,12 @@ from numpy.polynomial import Polynomial
 from models import MeasurementError
 from models.motion.twists import MeasuredField
 from sim.experiments import identification
-from sim.experiments.identification import FINE, confirmed, whole_range
+from sim.experiments.identification import WAY_PARTS, confirmed, whole_range
 
 FIELD = MeasuredField("1", (1.0, -0.5), 0.1, (Polynomial([0.1]),) * 3, 0.0)
 ROBOT = SimpleNamespace(groups="12", swing_range={"1": (-0.3, 0.5), "2": (-0.6, 0.2)})
 SETUP = SimpleNamespace(robot=ROBOT)
-WAYS = np.linspace(0.0, 0.3, FINE)
+WAYS = np.linspace(0.0, 0.3, WAY_PARTS)
 
 
 @pytest.mark.parametrize(

@@ -240,6 +240,7 @@ def test_shards_are_merged_to_the_bytes_of_the_whole(swept, tmp_path):
         shard = ("--shard", f"{number}/2")
         done = walked_here("sweep", file, "--out", folder, *shard)
         assert done.returncode == 0, done.stderr
+        assert done.stdout.rstrip().endswith(f"next    stratawalk merge {folder}")
         rows = pandas.read_parquet(folder / f"table-{number}-of-2.parquet")
         assert rows["point"].tolist() == [number - 1, number + 1]
     lacking = walked_here("merge", alone)

@@ -83,7 +83,9 @@ def test_dead_bands_are_drawn_servo_by_servo_within_their_spread(scenario):
     assert 0.008 <= drawn.min() < 0.0095 < 0.0105 < drawn.max() <= 0.012
     again = dead_bands(scenario(dead_band=0.01, dead_band_spread=0.2, draw=3), 12)
     assert (drawn == again).all()
-    assert (dead_bands(scenario(dead_band=0.01, draw=3), 12) == 0.01).all()
+    for none in (0.0, -0.0):  # which `--set` takes for a number from 0
+        alike = scenario(dead_band=0.01, dead_band_spread=none, draw=3)
+        assert (dead_bands(alike, 12) == 0.01).all()
 
 
 def test_a_dead_band_for_each_joint_is_asked_for(standing):

@@ -1,0 +1,88 @@
+"""Commands that messages name can be pasted into a shell, whatever files are called."""
+
+import shlex
+import shutil
+
+import pytest
+
+from models.description.robot import FOLDER
+from sim.cli import main
+from sim.endings import command
+
+EVIL = "a b$(touch PWNED);'c"
+
+
+def two_runs(folder):
+    for name in ("one", "two"):
+        (folder / name).mkdir(parents=True)
+        (folder / name / "summary.json").write_text("{}")
+
+
+def a_shard(folder):
+    folder.mkdir()
+    (folder / "ledger-1-of-2.jsonl").touch()
+
+
+def a_sweep(folder):
+    folder.mkdir()
+    (folder / "sweep.json").touch()
+
+
+def no_card(folder):
+    folder.mkdir()
+    shutil.copy(FOLDER / "scene.xml", folder)
+    text = (FOLDER / "hexapod.xml").read_text()
+    (folder / "mine.xml").write_text(text.replace('model="hexapod"', 'model="other"'))
+
+
+CASES = {
+    "study of runs": (two_runs, ("study", EVIL), "compare", ("one", "two")),
+    "study of a shard": (a_shard, ("study", EVIL), "merge", ("",)),
+    "report of a sweep": (a_sweep, ("show", EVIL), "study", ("",)),
+    "one folder": (two_runs, ("compare", EVIL), "compare", ("two", "one")),
+    "no card": (no_card, ("robots", f"{EVIL}/mine.xml"), "adopt", ("mine.xml",)),
+    "no log": (no_card, ("fit", f"{EVIL}/mine.xml"), "fit", ("mine.xml",)),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_a_shell_takes_the_command_in_a_message_as_it_is_meant(
+    tmp_path, monkeypatch, capsys, case
+):
+    make, words, does, names = CASES[case]
+    monkeypatch.chdir(tmp_path)
+    make(tmp_path / EVIL)
+    assert main(words) in (2, 3)
+    advice = capsys.readouterr().err.rpartition("; ")[2].partition("stratawalk ")[2]
+    verb, *rest = shlex.split(advice)
+    assert verb == does
+    wanted = [str(tmp_path / EVIL / name) for name in names]
+    assert {str(tmp_path / word) for word in rest} >= {*wanted}
+
+
+def test_a_folder_whose_name_begins_with_a_dash_is_no_option(tmp_path):
+    assert command("show", (tmp_path / "-x").relative_to(tmp_path)).endswith(
+        "show ./-x"
+    )
+
+
+@pytest.mark.physics
+def test_a_name_that_no_file_may_have_is_refused_in_one_line(folder, tmp_path, capsys):
+    words = ("export", str(folder), "--format", "csv", "--no-play", "--out")
+    assert main((*words, str(tmp_path / ("x" * 300 + ".csv")))) == 6
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "File name too long" in line
+    assert "nothing is written" in line
+
+
+def test_what_is_made_in_a_folder_needs_its_name(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    for command_line in (("merge", "one", "two"), ("study", "one")):
+        assert main((*command_line, "--out", "")) == 2
+        assert "an empty name: --out" in capsys.readouterr().err
+    assert not [*tmp_path.iterdir()]
+
+
+def test_more_designs_than_can_be_counted_are_refused(capsys):
+    assert main(("design", "hexapod", "--walks", "0", "--designs", str(10**20))) == 2
+    assert "1000000" in capsys.readouterr().err
