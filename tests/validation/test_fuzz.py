@@ -14,8 +14,8 @@ import pytest
 from models.description import inspection
 from scripts import fuzz
 from scripts.endings import Bounds, Ending, ending, other
+from scripts.fuzz import KINDS, answer, decided, fault, main
 from tests.commands import FORKS
-from tests.fuzz import KINDS, answer, decided, fault, main
 
 pytestmark = pytest.mark.usefixtures("alone")  # limits of time and memory are at work
 ROOT = Path(__file__).resolve().parents[2]

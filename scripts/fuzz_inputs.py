@@ -1,4 +1,4 @@
-"""Inputs for `tests/fuzz.py`: what is shipped, with one to four things changed.
+"""Inputs for `scripts/fuzz.py`: what is shipped, with one to four things changed.
 
 Every kind is a function that writes its files into a folder and returns the words of
 the command to run there.
@@ -23,7 +23,7 @@ NASTY = (
     *("1e6", "0.5", "2", "7", "1e-9", "true", "''", '"x"', "[]", "{}", "[[]]", "[1]"),
     *(str(2**63), "9" * 400, "1" * 5000, "[" * 300, "\x00", "\udcff", "ö"),
 )
-TEXTS = tomllib.loads((ROOT / "tests" / "fuzz.toml").read_text())
+TEXTS = tomllib.loads((ROOT / "scripts" / "fuzz.toml").read_text())
 FORMULAS = ("Abs(x)", "sign(y)", "sqrt(x)", "1/x", "x**y", "log(x)", "atan2(y, x)")
 
 

@@ -2,7 +2,7 @@
 """Run the command on mutated inputs, and check how it ends.
 
 Whatever the command receives is mutated, what is the user's own and what others send:
-`python -m tests.fuzz --seconds 180 --seed 1`, or some kinds alone. A case fails that
+`python -m scripts.fuzz --seconds 180 --seed 1`, or some kinds alone. A case fails that
 ends with code 70 or an unknown one, an exception, or several lines on standard error,
 or that takes more than `Bounds` allow. It has a process forked from this one, which has
 loaded libraries and built the parser; what seems wrong there is run once more by the
@@ -26,9 +26,9 @@ from pathlib import Path
 
 from models import ModelError
 from scripts.endings import ROOT, Bounds, ending, other
+from scripts.fuzz_foreign import FOREIGN
+from scripts.fuzz_inputs import OWN_KINDS
 from scripts.pages import parser_of
-from tests.fuzz_foreign import FOREIGN
-from tests.fuzz_inputs import OWN_KINDS
 
 OWN = Bounds()
 ADOPTED = replace(OWN, seconds=35.0)  # the command gives itself 30 s

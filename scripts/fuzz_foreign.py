@@ -1,4 +1,4 @@
-"""Inputs for `tests/fuzz.py` that others may send: robots, tables, finished runs.
+"""Inputs for `scripts/fuzz.py` that others may send: robots, tables, finished runs.
 
 Every kind is a function that writes its files into a folder, one of them mutated, and
 returns the words of the command to run there; a text is what is found wrong already.
@@ -24,8 +24,8 @@ import numpy as np
 
 from scripts.adoptees import ADOPTEES
 from scripts.endings import ROOT, ending
+from scripts.fuzz_inputs import NASTY, TEXTS, mutated, write
 from scripts.torture import TEXTS as SMALL
-from tests.fuzz_inputs import NASTY, TEXTS, mutated, write
 
 RUN = "run line --segments 1 --set path.goal=[0.005,0,0] --no-video"
 SWEPT = "sweep mine.toml --workers 1"
