@@ -103,11 +103,11 @@ def _results(walk: Run) -> list[str]:
         for q in (*OF_WALKS, *(q for q in OF_ROWS if q.key.startswith("predicted")))
         if q.key in RESULTS and (value := q.value(summary, ACHIEVED)) is not None
     ]
-    said = head.removeprefix(summary.verdict).lstrip(": ")
+    end = head.removeprefix(summary.verdict).lstrip(": ")
     normal = summary.verdict == "arrived" and not walk.scenario.motion
     why = SLIPPING if normal and summary.achieved.slip > summary.path_length else []
     title = f"{walk.scenario.name}: {summary.verdict}"
-    return [title, said, *further, "", *found, *why]
+    return [title, end, *further, "", *found, *why]
 
 
 def _card(lines: Sequence[str], behind: Array) -> Array:
