@@ -119,7 +119,9 @@ def test_no_more_room_than_is_required_does_not_do(clearance):
         nearest=lambda qpos: ("leg 1", "wall"),
     )
     route._require_room(around, "goal", (0, 0, 0), [0.02, np.nextafter(0.01, 1)], 0.01)
-    with pytest.raises(BoundError, match="leg 1 .* from obstacle wall, where more than"):
+    with pytest.raises(
+        BoundError, match="leg 1 .* from obstacle wall, where more than"
+    ):
         route._require_room(around, "goal", (0, 0, 0), [0.02, clearance], 0.01)
 
 
