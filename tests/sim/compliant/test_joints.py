@@ -1,4 +1,4 @@
-"""A joint over an increment: a servo that lags, and backlash between two stops."""
+"""Parts over an increment: servos that lag, backlash between stops, feet that slip."""
 
 from types import SimpleNamespace
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from sim.compliant.increment import STOP_STIFFNESS, _loosened, _spring
+from sim.compliant.increment import LOADED, STOP_STIFFNESS, _loosened, _slip, _spring
 
 H = np.array([0.05])  # of the increment [s]
 
@@ -67,3 +67,17 @@ def test_at_a_stop_the_rest_of_the_torque_is_against_it(sign):
 def test_the_slope_is_that_of_the_angle_over_the_torque(torque):
     (above, slope), (below, _) = loosened(torque + 1e-6), loosened(torque - 1e-6)
     assert slope == pytest.approx((above - below) / 2e-6, rel=1e-4, abs=1e-9)
+
+
+def test_a_foot_slips_as_its_points_do_by_their_loads_while_it_stands():
+    """By half as much where it only lands, and not at all where it carries nothing."""
+    weight = np.array([10.0])
+    little = 0.4 * LOADED * weight[0]  # at each of two points
+    after, before = np.zeros((2, 1, 4, 2, 3))  # forces on points of four feet
+    after[0, :, :, 2] = [[3.0, 1.0], [3.0, 1.0], [-1.0, 0.0], [little, little]]
+    before[0, :, :, 2] = [[2.0, 0.0], [0.0, 0.0], [4.0, 4.0], [little, little]]
+    moved = np.zeros((1, 4, 2, 2))
+    moved[..., 0, :], moved[..., 1, :] = [0.003, 0.004], [0.0, -0.009]
+    found = _slip(SimpleNamespace(weight=weight), before, after, moved)
+    whole = (3.0 * 0.005 + 1.0 * 0.009) / 4
+    assert found == pytest.approx(np.array([[whole, whole / 2, 0.0, 0.0]]))
