@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from planner.optimisation.corridor import Tolerance
 from planner.optimisation.program import GUESSED_WIDTH, Unknowns
 from planner.optimisation.task import Solution
 from tests.planner.optimisation.step import SPAN, optimised
@@ -116,3 +117,17 @@ def test_recoveries_centre_every_later_stroke_on_zero(task):
             now[i] += rate * strokes[k]
             if k and i in task.limits:  # nothing came before the first one
                 assert before[i] == pytest.approx(-now[i])
+
+
+def test_sizes_are_what_strokes_change_and_alike_within_a_tolerance(task):
+    start = np.array([0.0, 0.0, 0.7, 0.1, -0.2, 0.0, 0.0])
+    strokes = [stage.stroke for stage in task.stages]
+    columns = np.abs([task.system.compiled(name).velocity(start) for name in strokes])
+    found = dict(zip(task.moved, task.sizes(start), strict=True))
+    most = columns.max(axis=0)
+    assert found[0] == found[1] == max(most[0], most[1])
+    for i in task.moved[2:]:
+        assert found[i] == (most[i] or 1.0)
+    assert task.unit(start) == min(found.values())
+    apart = replace(task, tolerances=(Tolerance((0,), 0.5), Tolerance((1,), 0.5)))
+    assert apart.sizes(start)[:2].tolist() == most[:2].tolist()
