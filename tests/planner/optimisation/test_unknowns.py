@@ -45,6 +45,7 @@ def test_what_is_packed_is_unpacked_again(task, overlapped):
 
 @pytest.mark.parametrize("overlapped", [False, True])
 def test_a_vector_has_as_many_entries_as_the_program_has_symbols(task, overlapped):
+    pytest.importorskip("casadi")
     own = unknowns(replace(task, overlapped=overlapped))
     size = sum(symbol.numel() for symbol in own.symbols())
     low, high = own.bounds(START, (0.0, 1.0), START, 0.0)
