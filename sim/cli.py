@@ -19,7 +19,7 @@ from typing import TextIO
 from sim import interruption
 from sim.commands.parsing import as_meant, parser
 from sim.endings import begin
-from sim.errors import ExitCode, exit_code, last_words
+from sim.errors import ExitCode, exit_code, last_words, printable
 from sim.pictures import gl
 
 
@@ -65,7 +65,8 @@ def _fail(error: BaseException, words: Sequence[str]) -> int:
         return ExitCode.OK
     try:
         if "--debug" in words:
-            traceback.print_exception(error)
+            whole = "".join(traceback.format_exception(error))
+            print(printable(whole), end="", file=sys.stderr)
         print(f"stratawalk: error: {last_words(error)}", file=sys.stderr, flush=True)
     except OSError:  # it is on a full disk
         _silence(sys.stderr)

@@ -16,6 +16,7 @@ from planner import PlannerError
 from sim.endings import ENDS, ExitCode as ExitCode, kept_work, way_on
 from sim.interruption import HungUp, Terminated
 
+CUT = " ... "
 LONGEST_MESSAGE = 1000  # characters of a line; what is left out is in its middle
 ROOT = Path(__file__).resolve().parent.parent
 LAYERS = ("planner", "models", "sim")
@@ -150,6 +151,11 @@ def last_words(error: BaseException) -> str:
     return "; ".join(filter(None, (one_line(error), further)))
 
 
+def is_text(value: object) -> bool:
+    """Whether a value is a text without halves of characters, which no file takes."""
+    return isinstance(value, str) and value.encode(errors="replace").decode() == value
+
+
 def printable(text: str) -> str:
     """A text with control characters, which a terminal might obey, written out."""
     return "".join(
@@ -157,12 +163,18 @@ def printable(text: str) -> str:
     )
 
 
+def is_message(text: str) -> bool:
+    """Whether a text may be one that `one_line` has made."""
+    short = len(text) <= LONGEST_MESSAGE + len(CUT)
+    return short and ": " in text and printable(" ".join(text.split())) == text
+
+
 def one_line(error: BaseException) -> str:
     """The error as `what: where; what to do`, on one line."""
     line = printable(" ".join(_describe(error).split()))
     if len(line) <= LONGEST_MESSAGE:
         return line
-    return f"{line[: LONGEST_MESSAGE // 2]} ... {line[-LONGEST_MESSAGE // 2 :]}"
+    return f"{line[: LONGEST_MESSAGE // 2]}{CUT}{line[-LONGEST_MESSAGE // 2 :]}"
 
 
 def _describe(error: BaseException) -> str:

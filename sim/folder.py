@@ -20,7 +20,7 @@ import numpy as np
 
 from planner.support import require_space, whole_file
 from sim.endings import command
-from sim.errors import ExitCode, FilesError, UsageError, exit_code
+from sim.errors import ExitCode, FilesError, StratawalkError, UsageError, exit_code
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,10 +165,16 @@ def new_file(path: Path, kind: str, *endings: str) -> Path:
     if path.suffix not in endings:
         remedy = f"give a name in {' or '.join(endings)}"
         raise UsageError(f"not a {kind}'s name", str(path), remedy)
-    if os.path.lexists(path):
-        raise UsageError("already exists", str(path), "give another name")
+    require_free(path)
     ensure_folder(path.parent, f"{kind}'s folder")
     return path
+
+
+def require_free(path: Path | str, option: str = "") -> None:
+    """Refuse a name that a file, or a link to nowhere, has already."""
+    if os.path.lexists(path):
+        remedy = f"give {option} another name".replace("  ", " ")
+        raise UsageError("already exists", str(path), remedy)
 
 
 def _make(folder: Path) -> Path:
@@ -204,15 +210,20 @@ def blamed_on(place: Path, remedy: str = "") -> Iterator[None]:
 
 @contextmanager
 def whole(
-    path: Path, size: int | None = None, at_most: Callable[[], int] | None = None
+    path: Path,
+    size: int | None = None,
+    at_most: Callable[[], int] | None = None,
+    *,
+    new: bool = False,
 ) -> Iterator[Path]:
     """A path to write to, which takes `path`'s name once the block has succeeded.
 
     The disk is asked for `size` bytes beforehand; if it is full after all, the message
-    says that up to `at_most()` are needed.
+    says that up to `at_most()` are needed. Where a file was to be `new`, the second of
+    two at once is a UsageError.
     """
     try:
-        with whole_file(path, size or 0) as part:
+        with whole_file(path, size or 0, new) as part:
             yield part
     except OSError as error:
         needed = (size, "") if at_most is None else (at_most(), "up to ")
@@ -221,7 +232,9 @@ def whole(
 
 def _failure(
     error: OSError, path: Path, size: int | None = None, about: str = ""
-) -> FilesError:
+) -> StratawalkError:
+    if isinstance(error, FileExistsError):
+        return UsageError("already exists", str(path), "give another name")
     if error.errno not in (errno.ENOSPC, errno.EDQUOT):
         reason = f"cannot be written, {error.strerror}"
         return FilesError(reason, str(path), "choose another folder with --out")

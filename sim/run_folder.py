@@ -22,7 +22,7 @@ from sim.evaluation.assessment import Evaluation, evaluate
 from sim.evaluation.phases import carried_out
 from sim.evaluation.summary import Summary
 from sim.feedback.stops import written as feedback_table
-from sim.folder import Pieces, RunFolder, claim, new_file
+from sim.folder import Pieces, RunFolder, claim, new_file, whole
 from sim.logs.log import Log, written
 from sim.physics.engine import STRETCH
 from sim.preparation.setup import Setup
@@ -219,7 +219,8 @@ def film(
         filmed = film_folder(
             run.folder, look=look, progress=lambda part: progress("filming", part)
         )
-        shutil.move(filmed, path)
+        with whole(path, new=True) as part:
+            shutil.move(filmed, part)
     return path
 
 

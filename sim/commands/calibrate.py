@@ -125,7 +125,8 @@ def _calibrated(
         if len(known) < number:
             tool, page = (folder.path / n for n in (SKETCH if pulse else SCRIPT, PAGE))
             start = "load" if pulse else "start"
-            print(f"{start} {tool} and open {page}; Ctrl-C keeps all answers")
+            how = f"{start} {tool} and open {page}; Ctrl-C keeps all answers"
+            print(printable(how))
         if pulse and not known and clock is None:
             clock = _clock(ask)
         for joint, servo in _found(robot, kind, known, clock, ask):
@@ -187,7 +188,7 @@ def _found(
             try:
                 return joint_servo(kind, clock, channel, turned, (one, two), angles)
             except ValueError as error:
-                print(f"  {error}")
+                print(printable(f"  {error}"))
 
     for channel in channels:
         if channel in taken or not left:

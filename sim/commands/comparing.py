@@ -131,7 +131,7 @@ def draw(run: Run, found: Sequence[Mapping[str, Any]], path: Path) -> None:
     figure.legend(loc="outside right upper", title=KEY)
     title = f"How far the walk's end moves, drawn {scale:.3g} times as long"
     axes.set(xlabel="x [m], forward", ylabel="y [m], left", title=title)
-    with whole(path) as part:
+    with whole(path, new=True) as part:
         figure.savefig(part, dpi=120, bbox_inches="tight")
 
 

@@ -18,6 +18,7 @@ from typing import IO, TYPE_CHECKING
 
 from sim.commands import options as cli
 from sim.errors import FilesError, UsageError
+from sim.folder import require_free
 
 if TYPE_CHECKING:
     from sim.export.served import Row, ServedWalk
@@ -64,12 +65,15 @@ def drive(options: argparse.Namespace) -> None:
 
 
 def _opened(files: ExitStack, name: str, mode: str, standard: IO[str]) -> IO[str]:
-    nowhere = os.path.islink(name) and not os.path.exists(name)  # makes a file there
-    if mode == "w" and (os.path.isfile(name) or nowhere):
-        raise UsageError("already exists", name, "give --commands another name")
     if name == "-":
         return standard
-    file = open(name, mode, encoding="utf-8")  # noqa: SIM115 (closed below)
+    if mode == "w" and (os.path.isfile(name) or not os.path.exists(name)):
+        mode = "x"  # what exists must be a pipe or a device
+    try:
+        file = open(name, mode, encoding="utf-8")  # noqa: SIM115 (closed below)
+    except FileExistsError:
+        require_free(name, "--commands")
+        raise
     files.callback(_close, file)
     return file
 

@@ -13,7 +13,7 @@ from sim.commands.walks import judged
 from sim.endings import again, keeping
 from sim.errors import ExitCode, UsageError
 from sim.evaluation.quantities import describe_export
-from sim.folder import blamed_on
+from sim.folder import blamed_on, require_free
 from sim.progress import Progress, bar
 from sim.templates import render
 
@@ -89,8 +89,7 @@ def _require_sense(options: argparse.Namespace, out: Path) -> None:
     if options.microseconds and options.format != "header":
         what = f"--microseconds with --format {options.format}"
         raise UsageError(what, "the command line", "only a header has pulses")
-    if os.path.lexists(out):
-        raise UsageError("already exists", str(out), "give --out another name")
+    require_free(out, "--out")
     if not options.out or not out.parent.is_dir():
         where = options.out or "--out"
         raise UsageError("no such folder", where, "give --out a folder that exists")

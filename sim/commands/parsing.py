@@ -9,12 +9,13 @@ from collections.abc import Sequence
 from contextlib import suppress
 from difflib import get_close_matches
 from functools import partial
+from itertools import dropwhile
 from typing import NoReturn
 
 from planner.support import did_you_mean
 from sim.commands.declared import COMMANDS, GUESSES, declare
 from sim.commands.options import command_for, report
-from sim.errors import UsageError
+from sim.errors import UsageError, is_text
 from sim.scenarios.declaration import read
 from sim.scenarios.settings import SETTINGS
 
@@ -123,19 +124,15 @@ def parser() -> Parser:
 
 def as_meant(words: Sequence[str]) -> list[str]:
     """A command line with its first guesses put right: nothing at all, and `help`."""
-    if not words:
-        return ["--help"]
     for word in words:
-        try:
-            word.encode()
-        except UnicodeEncodeError:  # a name from a file system, of another encoding
-            raise UsageError(f"{word!r} is not UTF-8", PLACE, "rename it") from None
+        if not is_text(word) or "\0" in word:  # as a name in another encoding
+            raise UsageError(f"{word!r} is no text in UTF-8", PLACE, "rename it")
+    if not (words := [*dropwhile(PLACE.__eq__, words)]):
+        return ["--help"]
     first, *rest = words
     first = SAME.get(first, first)
     if first == "help":
         return as_meant([*rest[:1], "--help"])
-    if first == "stratawalk":
-        return as_meant(rest)
     if first.startswith("-") and first not in OPTIONS:
         if place := next((i for i, word in enumerate(words) if word in COMMANDS), 0):
             line = shlex.join(["stratawalk", *words[place:], *words[:place]])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
@@ -38,7 +37,7 @@ from sim.commands.plan_report import (
 )
 from sim.commands.systems import coordinates, find, is_system, refused
 from sim.errors import UsageError
-from sim.folder import new_file, whole
+from sim.folder import new_file, require_free, whole
 from sim.problems.problem import Problem
 from sim.problems.system import PLAN_TIME, SystemProblem
 from sim.progress import Progress, at_most, bar, stage
@@ -76,8 +75,8 @@ def plan(options: argparse.Namespace) -> None:
             planned, shown = _system(options, progress)
     facts, text = shown
     if options.save:
-        with refused(options.save):
-            save_plan(planned, options.save)
+        with refused(options.save), whole(Path(options.save), new=True) as part:
+            save_plan(planned, part)
     if options.flows:
         facts["flows"] = planned.flows
         text = "\n".join([*map(str, planned.flows), "", text])
@@ -109,7 +108,7 @@ def _draw(name: str, planned: Plan, path: Path) -> None:
         axes.quiver(*seen, scale=18, width=0.004)
     figure.colorbar(shown, label="order of travel, dark first", ticks=[])
     figure.legend(loc="outside lower center", ncols=3)
-    with whole(path) as part:
+    with whole(path, new=True) as part:
         figure.savefig(part, dpi=120)
 
 
@@ -126,8 +125,8 @@ def _is_for_systems(options: argparse.Namespace) -> bool:
         new_file(Path(options.out), "picture", ".png", ".svg", ".pdf")
     if options.save == "":
         raise UsageError("an empty name", "--save", "name a file, or leave it out")
-    if options.save and os.path.lexists(options.save):
-        raise UsageError("already exists", options.save, "give --save another name")
+    if options.save:
+        require_free(options.save, "--save")
     return True
 
 

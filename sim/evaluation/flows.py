@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from math import pi
 from typing import Any, NamedTuple, get_args, get_type_hints
 
+from models import Card
 from sim.folder import csv_rows, csv_text
 from sim.motion.schedule import Kind
 
@@ -25,9 +27,12 @@ class WalkedPhase(NamedTuple):
 
 
 KINDS: dict[str, Callable[[str], Any]]  # readers of the columns
-KINDS = get_type_hints(WalkedPhase) | {"as_planned": "1".__eq__}
+KINDS = get_type_hints(WalkedPhase) | {
+    "as_planned": lambda text: bool(("0", "1").index(text))
+}
 COLUMNS = ("index", *WalkedPhase._fields)
 LARGEST = 1e9  # number, and more segments than any walk has
+FARTHEST = 4 * pi  # [rad] that a joint of a leg moves in a phase
 
 
 def written(phases: Iterable[WalkedPhase]) -> str:
@@ -41,9 +46,11 @@ def read(text: str) -> tuple[WalkedPhase, ...]:
 
     A missing column is a KeyError, other errors of a line are ValueErrors.
     """
+    rows = csv_rows(text, "flows.csv")
+    if [row["index"] for row in rows] != [*map(str, range(len(rows)))]:
+        raise ValueError("flows.csv does not number its phases from 0")
     phases = tuple(
-        WalkedPhase(*(kind(row[key]) for key, kind in KINDS.items()))
-        for row in csv_rows(text, "flows.csv")
+        WalkedPhase(*(kind(row[key]) for key, kind in KINDS.items())) for row in rows
     )
     if not phases:
         raise ValueError("flows.csv lists no phase")
@@ -57,3 +64,24 @@ def read(text: str) -> tuple[WalkedPhase, ...]:
     if moments != sorted(moments) or segments != sorted(segments):
         raise ValueError("flows.csv has phases out of their order")
     return phases
+
+
+def require_known(phases: Iterable[WalkedPhase], card: Card) -> None:
+    """Refuse, with a ValueError, what no walk of a card's robot does."""
+    groups, legs = [*card.groups], ["legs", *map(str, sorted(card.legs))]
+    gains = [abs(g) for group in card.groups.values() for g in group.legs.values()]
+    shares = [abs(g) for one in card.patterns.values() for g in one.groups.values()]
+    most = FARTHEST / min(1.0, *gains) / min([1.0, *shares])
+    for p in phases:
+        stands = _some(p.stratum, groups) or _some(p.stratum.split(" "), legs)
+        fields = ["", *(f"g{p.stratum}_{own}" for own in (*groups, *card.patterns))]
+        swings = p.field in fields if p.kind == "swing" else not p.field
+        if not (stands and swings and _some(p.group, groups) and abs(p.amount) <= most):
+            line = ",".join(map(str, p))
+            raise ValueError(f"flows.csv has what its robot does not do, {line[:80]}")
+
+
+def _some(names: Iterable[str], known: Iterable[str]) -> bool:
+    """Whether names are some of those that are known, in their order."""
+    rest = iter(known)
+    return all(name in rest for name in names)

@@ -41,6 +41,9 @@ from sim.scenarios.scenario import Scenario
 from sim.simulation import simulate
 from sim.world.servos import ServoSettings, servo_settings
 
+LEAD = 0.5  # [rad] by which a command leads a soft or slack servo at most
+TURNED = 4 * np.pi  # [rad] from the middle, of joints that turn without end
+
 
 @dataclass(frozen=True, eq=False)
 class Source:
@@ -76,9 +79,20 @@ class Source:
         return float(self.model.opt.timestep)
 
     def commands(self, rate: float) -> ServoCommands:
-        """Commands of the servos at a rate, where the walk itself has none."""
+        """Commands of the servos at a rate, where the walk itself has none.
+
+        Angles far beyond a joint's range, to which no servo leads it, are refused.
+        """
         ctrl, asked = self.run.commands["ctrl"], self.servo.rate or rate
-        return taken(ctrl, self.joints, self.actuators, asked, self.timestep)
+        found = taken(ctrl, self.joints, self.actuators, asked, self.timestep)
+        for joint, angles in zip(self.joints, found.angles.T, strict=True):
+            own, low, high = self.model.joint(joint), angles.min(), angles.max()
+            least, most = own.range if own.limited else (-TURNED, TURNED)
+            if low < least - LEAD or high > most + LEAD:
+                what = f"joint {joint!r} is commanded from {low:.3g} to {high:.3g} rad"
+                what += f", and turns from {least:.3g} to {most:.3g} rad"
+                raise UsageError(what, str(self.run.folder), "walk the scenario again")
+        return found
 
 
 def from_run(folder: Path, *, allow_external: bool = False) -> Source:
@@ -187,7 +201,7 @@ def write(
         title = f"{scenario} on {robot}, planned by stratawalk."
         text = write_header(commands, table, title=title, name=scenario, file=path.name)
     content = text.encode()
-    with whole(path, len(content)) as part:
+    with whole(path, len(content), new=True) as part:
         part.write_bytes(content)
 
 

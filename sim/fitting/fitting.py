@@ -22,7 +22,7 @@ from planner import Array
 from sim.errors import SimulationError, UsageError
 from sim.fitting.estimate import Estimates, Parameter, estimate, pooled, together
 from sim.fitting.servo_law import Commanded, known_servos, on_floor, on_stand
-from sim.folder import whole
+from sim.folder import require_free, whole
 from sim.logs.log import Log
 from sim.preparation.setup import Setup
 from sim.preparation.shared import built
@@ -205,8 +205,7 @@ def check_free(card: Path) -> None:
     if card.suffix != ".toml" or not card.parent.is_dir():
         remedy = "give --out FOLDER/NAME.toml"
         raise UsageError("no place for a card", str(card), remedy)
-    if os.path.lexists(card):
-        raise UsageError("already exists", str(card), "give --out another name")
+    require_free(card, "--out")
 
 
 def write_card(robot: Robot, card: Path, text: str) -> str:
@@ -214,7 +213,7 @@ def write_card(robot: Robot, card: Path, text: str) -> str:
 
     Returns how to use it, in words.
     """
-    with whole(card) as part:
+    with whole(card, new=True) as part:
         part.write_text(text, "utf-8")
     model = card.with_suffix(".xml")
     alone = robot.is_shipped or robot.opened.files in ((), (robot.path,))

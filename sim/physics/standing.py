@@ -74,6 +74,7 @@ def _check_standing(
     mujoco.mj_forward(model, data)
     _refuse_obstacles(model, data)
     standing = _Standing(robot, model, data)
+    _refuse(robot, standing.weightless())
     _refuse(robot, standing.lying())
     height = robot.root_address_in(model) + 2
     before = float(data.qpos[height])
@@ -138,6 +139,14 @@ class _Standing:
     robot: Robot
     model: mujoco.MjModel
     data: mujoco.MjData
+
+    def weightless(self) -> Iterator[tuple[str, str]]:
+        off = self.model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_GRAVITY
+        if off or self.model.opt.gravity[2] >= 0:
+            yield (
+                "no gravity pulls it down",
+                'give <option> gravity="0 0 -9.81", and no <flag> that disables it',
+            )
 
     def tipped(self) -> Iterator[tuple[str, str]]:
         tilt = float(np.arccos(np.clip(self.data.body(self.robot.root).xmat[8], -1, 1)))

@@ -110,8 +110,8 @@ def film_folder(
             progress(drawn / pictures)
 
     own = NAME if stretch == WHOLE else f"video-{first:.2f}-{last:.2f}.mp4"
-    path = path.absolute() if path else folder / own
-    with whole(path) as part, _scratch(path) as scratch:
+    new, path = path is not None, path.absolute() if path else folder / own
+    with whole(path, new=new) as part, _scratch(path) as scratch:
         pieces = [
             Piece(folder, look, frames, scratch / f"{i}.mp4", camera, stretch)
             for i, frames in enumerate(_shares(pictures))

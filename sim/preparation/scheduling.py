@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Sequence
 from itertools import groupby
+from math import hypot
 
 import numpy as np
 
@@ -131,16 +132,16 @@ def check_effort(setup: Setup, steps: int) -> None:
 
 def check_distance(setup: Setup) -> None:
     """Refuse a path that no walk could follow to its end, before planning it."""
-    scenario, equations = setup.scenario, setup.equations
-    farthest = max(map(equations.stride, equations.swings), default=0.0)  # [m/rad]
-    travel = scenario.path.length / farthest if farthest else 0.0
-    if travel <= MOST_TRAVEL:
-        return
-    what = (
-        f"a path of {scenario.path.length:g} m takes {travel:.2g} rad of strokes or "
-        f"more, and at most {MOST_TRAVEL:,} rad are planned"
-    )
-    raise UsageError(what, f"scenario {scenario.name!r}", "bring the goal nearer")
+    path, twists = setup.scenario.path, [*setup.equations.twists.values()]
+    strides, turns = [hypot(*t[:2]) for t in twists], [abs(t[2]) for t in twists]
+    ways = (path.length, "m", strides), (abs(path.goal[2]), "rad", turns)
+    for way, unit, each in ways:  # of a radian of a stroke
+        travel = way / farthest if (farthest := max(each, default=0.0)) else 0.0
+        if travel > MOST_TRAVEL:
+            what = f"a path of {way:g} {unit} takes {travel:.2g} rad of strokes or more"
+            what += f", and at most {MOST_TRAVEL:,} rad are planned"
+            where = f"scenario {setup.scenario.name!r}"
+            raise UsageError(what, where, "bring the goal nearer")
 
 
 def _row_size(setup: Setup) -> int:

@@ -16,6 +16,7 @@ import numpy as np
 import shapely
 
 from planner import Array
+from sim.errors import UsageError
 from sim.scenarios.declaration import (
     Range,
     Table,
@@ -31,6 +32,7 @@ Point = tuple[float, float]
 THICKNESS = 0.02  # of a wall [m], if it says nothing
 OBSTACLE_HEIGHT = 0.12  # [m], above the shipped robots
 FARTHEST = 1e3  # [m] from the start
+MOST_CORNERS = 3000  # of all obstacles, which take seconds to compile
 SMALLEST_SIZE = 1e-4  # [m]; smaller sizes are taken for mistakes
 
 Coordinate = Annotated[float, Range(-FARTHEST, FARTHEST)]
@@ -99,6 +101,11 @@ def decode(tables: object) -> tuple[Obstacle, ...]:
     """The obstacles that a scenario's list of tables describes, counted from 1."""
     if not is_list(tables):
         raise refusal(tables, "a list of tables, [[obstacles]]", "obstacles")
+    points = [table.get("points") for table in tables if isinstance(table, Mapping)]
+    corners = sum(len(one) if is_list(one) else 1 for one in points)
+    if corners > MOST_CORNERS:
+        remedy = f"give at most {MOST_CORNERS}; a box counts as one"
+        raise UsageError(f"{corners} points of obstacles", "obstacles", remedy)
     return tuple(_decode(table, f"obstacle {i}") for i, table in enumerate(tables, 1))
 
 

@@ -189,8 +189,10 @@ def sobol_block(table: Table) -> Block:
     count = _whole("points", table.get("points"), 1, MOST_POINTS)
     seed = _whole("seed", table.get("seed", 0), 0, 2**32 - 1)
     spans = dict(flat({k: v for k, v in table.items() if k not in ("points", "seed")}))
-    if not spans:
-        raise UsageError("no key varies", "[sobol]", "give a key = [low, high]")
+    if not 0 < len(spans) <= qmc.Sobol.MAXDIM:
+        what = f"{len(spans)} keys vary" if spans else "no key varies"
+        remedy = f"give from 1 to {qmc.Sobol.MAXDIM} of key = [low, high]"
+        raise UsageError(what, "[sobol]", remedy)
     engine = qmc.Sobol(len(spans), scramble=True, rng=np.random.default_rng(seed))
     unit = engine.random_base2(math.ceil(math.log2(count)))[:count]
     columns = [

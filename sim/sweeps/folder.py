@@ -12,17 +12,17 @@ import os
 import socket
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from filelock import FileLock, Timeout
 
 from planner.support import read_file
-from sim.errors import FilesError, UsageError
+from sim.errors import FilesError, UsageError, is_text
 from sim.folder import RunFolder, ensure_folder
 from sim.sweeps.file import Sweep, left_out
-from sim.sweeps.ledger import differences, software
+from sim.sweeps.ledger import ALIKE, differences, software
 
 UNREADABLE = (ValueError, KeyError, TypeError, AttributeError, RecursionError)
 SIDE_BY_SIDE = " with "  # between keys that vary together
@@ -61,12 +61,15 @@ class About:
 
     asked: Mapping[str, Any]  # scenario, fixed and varying settings, measures left out
     software: Mapping[str, str]
+    mixed: bool = False  # whether points of other sweeps and software are kept
 
     def __post_init__(self) -> None:
         vary = self.asked["vary"]
         tables = self.software, self.asked["scenario"], self.asked["set"], vary
         lists = all(isinstance(values, list) for values in vary.values())
-        if not (lists and all(isinstance(table, Mapping) for table in tables)):
+        named = all(map(is_text, map(self.software.get, ALIKE)))
+        plain = all(isinstance(table, Mapping) for table in tables)
+        if not (lists and named and plain and isinstance(self.mixed, bool)):
             raise TypeError("it does not say what a sweep is about")
         _ = self.sweep
 
@@ -91,7 +94,7 @@ class About:
         try:
             found = json.loads(read_file(path))
             json.dumps(found, allow_nan=False, ensure_ascii=False).encode()  # is plain
-            return cls(found["asked"], found["software"])
+            return cls(**found)
         except FileNotFoundError:
             return None
         except OSError as error:
@@ -152,17 +155,20 @@ class SweepFolder:
         """Write down what the sweep is about."""
         RunFolder(self.path).write_json(self.about.name, asdict(about))
 
-    def agree(self, about: About, mix: bool) -> None:
+    def agree(self, about: About, mix: bool) -> About:
         """Write down what the sweep is about, once it is found to be what it was.
 
-        A table may hold points of different sweeps and versions if it is to mix them.
+        A table may hold points of different sweeps and versions if it is to mix them;
+        the result says so from then on.
         """
-        before = About.read(self.about)
-        if before not in (None, about) and not mix:
-            what = f"begun with something else, {'; '.join(before.differences(about))}"
+        before = About.read(self.about) or about
+        if (differ := before.differences(about)) and not mix:
+            what = f"begun with something else, {'; '.join(differ)}"
             remedy = "choose another folder, or mix them in one table with --force-mix"
             raise UsageError(what, str(self.path), remedy)
+        about = replace(about, mixed=mix or before.mixed)
         self.write_about(about)
+        return about
 
 
 def claim(out: Path, shard: Shard, resume: bool) -> SweepFolder:

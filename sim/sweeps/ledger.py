@@ -21,14 +21,15 @@ from pathlib import Path
 
 from models import ModelError, load
 from planner.support import open_file
-from sim.errors import FilesError, UsageError
+from sim.errors import FilesError, UsageError, is_message, is_text
 from sim.scenarios.file import to_table
 from sim.scenarios.scenario import Scenario
 from sim.sweeps.file import flat
-from sim.versions import versions
+from sim.versions import PACKAGES, versions
 
 CODE = ("planner", "models", "sim")
 KINDS = (".py", ".toml", ".xml")
+ALIKE = (*PACKAGES, "machine", "code")
 
 
 def digest(scenario: Scenario, without: Sequence[str]) -> str:
@@ -47,6 +48,11 @@ def digest(scenario: Scenario, without: Sequence[str]) -> str:
 def software() -> dict[str, str]:
     """Versions that numbers depend on, the machine's architecture, our own code."""
     return versions() | {"machine": platform.machine(), "code": _code()}
+
+
+def alike(*known: Mapping[str, str]) -> list[dict[str, str]]:
+    """The parts of versions that must be the same wherever points are walked."""
+    return [{key: one[key] for key in ALIKE if key in one} for one in known]
 
 
 def differences(first: Mapping[str, object], second: Mapping[str, object]) -> list[str]:
@@ -116,8 +122,10 @@ class Outcome:
     def __post_init__(self) -> None:
         words = self.digest, self.status, *self.software.values(), *self.numbers
         numbers = self.numbers.values()
-        if not (all(map(_is_text, words)) and all(map(_is_plain, numbers))):
+        if not (all(map(is_text, words)) and all(map(_is_plain, numbers))):
             raise TypeError("a text of it is no text, or a number no number")
+        if self.status != OK and not is_message(self.status):
+            raise TypeError("its status is not as a message is written")
 
     @property
     def line(self) -> bytes:
@@ -171,25 +179,42 @@ def opened(path: Path) -> Iterator[Ledger]:
         os.close(handle)
 
 
-def read_ledger(path: Path) -> dict[str, Outcome]:
+def read_ledger(
+    *paths: Path,
+    software: Mapping[str, str] | None = None,
+    points: Mapping[str, int] | None = None,
+) -> dict[str, Outcome]:
     """Finished points by their digests; none where there is no ledger yet.
 
-    A torn last line counts as not written, and its point is walked again.
+    A torn last line counts as not written, and its point is walked again. Refused are
+    lines of other software, if one is given, and two results of one point, which is
+    named by its number.
     """
     known: dict[str, Outcome] = {}
-    with suppress(FileNotFoundError), open_file(path) as file:
-        lines = iter(lambda: file.readline(LONGEST_LINE), b"")
-        for number, line in enumerate(lines, start=1):
-            if not line.endswith(b"\n") and len(line) < LONGEST_LINE:
-                break
+    for path in paths:
+        for number, line in enumerate(_lines(path), start=1):
             try:
-                outcome = Outcome.read(line)
+                one = Outcome.read(line)
+                if software and (differ := differences(*alike(software, one.software))):
+                    raise ValueError(f"it is of other software, {differ[0]}")
+                before = known.setdefault(one.digest, one)
+                results = ({**o.numbers, "status": o.status} for o in (before, one))
+                if differ := differences(*results):
+                    point = (points or {}).get(one.digest, one.digest)
+                    raise ValueError(f"point {point} has two results, {differ[0]}")
             except ValueError as error:
                 what = f"line {number} is not as a sweep wrote it, {error}"
                 remedy = "delete that line; --resume walks its point again"
                 raise UsageError(what, str(path), remedy) from error
-            known[outcome.digest] = outcome
     return known
+
+
+def _lines(path: Path) -> Iterator[bytes]:
+    """Lines of a ledger, if there is one; one that is too long comes in parts."""
+    with suppress(FileNotFoundError), open_file(path) as file:
+        for line in iter(lambda: file.readline(LONGEST_LINE), b""):
+            if line.endswith(b"\n") or len(line) == LONGEST_LINE:
+                yield line
 
 
 def _sealed(content: bytes) -> bytes:
@@ -202,9 +227,4 @@ def _is_plain(value: object) -> bool:
     """Whether a table has room for a value: a number, a text, yes or no, or nothing."""
     if isinstance(value, int | float):
         return abs(value) < INT64
-    return value is None or _is_text(value)
-
-
-def _is_text(value: object) -> bool:
-    """Whether a value is a text without halves of characters, which no file takes."""
-    return isinstance(value, str) and value.encode(errors="replace").decode() == value
+    return value is None or is_text(value)

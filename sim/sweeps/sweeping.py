@@ -8,12 +8,13 @@ from __future__ import annotations
 import shutil
 from collections import Counter
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from models import shipped_robots
 from models.morphology import geometry_of
 from planner.support import did_you_mean
+from sim.endings import command
 from sim.errors import FilesError, UsageError, one_line
 from sim.folder import RunFolder, ensure_folder
 from sim.preparation.shared import PLAN
@@ -48,6 +49,12 @@ class Points:
     tables: Mapping[int, Mapping[str, object]]  # the scenario of each, in plain values
     digests: Mapping[int, str]  # of each point's settings; those of equal points agree
     plans: Mapping[int, int]  # the first point that has the same plan as each
+
+    def known(self, about: About, *ledgers: Path) -> dict[str, Outcome]:
+        """Outcomes that ledgers have, of one software unless the sweep is mixed."""
+        software = None if about.mixed else about.software
+        numbers = {code: point for point, code in self.digests.items()}
+        return read_ledger(*ledgers, software=software, points=numbers)
 
     def tasks(self, known: Mapping[str, Outcome]) -> list[Task]:
         """What is to be walked; walks of one plan come one after another.
@@ -138,8 +145,8 @@ def carry_on(
         show(done, failed, len(points.digests))
 
     with sole_owner(folder.lock):
-        folder.agree(about, mix)
-        known = read_ledger(folder.ledger)
+        about = folder.agree(about, mix)
+        known = points.known(about, folder.ledger)
         if tasks := points.tasks(known):
             count(known.values())
             with (
@@ -188,16 +195,17 @@ def merge(sources: Sequence[Path], out: Path) -> tuple[Result, Path]:
     Shards that are not of one sweep, or that lack points, are refused.
     """
     about = _common_about(sources)
+    points, folder = points_of(about.sweep, Shard()), SweepFolder(out)
     ledgers = [path for at in sources for path in sorted(at.glob("ledger*.jsonl"))]
-    known = {k: one for path in ledgers for k, one in read_ledger(path).items()}
-    points = points_of(about.sweep, Shard())
+    known = points.known(about, *dict.fromkeys([*ledgers, folder.ledger]))
     missing = [point for point, code in points.digests.items() if code not in known]
     if missing:
         few = ", ".join(map(str, missing[:5])) + ", ..." * (len(missing) > 5)
         what = f"{len(missing)} of {len(points.digests)} points are missing: {few}"
-        remedy = "walk them with `stratawalk sweep --resume`, or name the other shards"
+        on = command("sweep", "FILE.toml", "--out", sources[0], "--resume")
+        remedy = f"walk them with its file, {on}, or name the other shards"
         raise UsageError(what, ", ".join(map(str, sources)), remedy)
-    folder = SweepFolder(ensure_folder(out))
+    ensure_folder(out)
     with sole_owner(folder.lock), opened(folder.ledger) as ledger:
         written = read_ledger(folder.ledger)
         ledger.add([o for code, o in known.items() if code not in written])
@@ -223,4 +231,4 @@ def _common_about(sources: Sequence[Path]) -> About:
             what = f"not of one sweep, {'; '.join(differ)}"
             remedy = "merge shards of the same file and software"
             raise UsageError(what, f"{first} and {path}", remedy)
-    return about
+    return replace(about, mixed=any(one.mixed for one in found.values()))

@@ -26,8 +26,7 @@ from sim.errors import SweepError, UsageError, one_line
 from sim.preparation.shared import Shared
 from sim.scenarios.file import scenario_from
 from sim.simulation import simulate
-from sim.sweeps.ledger import OK, Outcome, differences, software
-from sim.versions import PACKAGES
+from sim.sweeps.ledger import OK, Outcome, alike, differences, software
 
 try:
     import dask
@@ -52,8 +51,6 @@ QUIET = {
 }
 GONE = (KilledWorker, NoValidWorkerError, NoWorkerError)
 """What Dask says of work whose worker is no more."""
-ALIKE = (*PACKAGES, "machine", "code")
-"""Versions that must be the same on every worker."""
 SHARED = Shared()
 """What this process keeps from point to point."""
 
@@ -165,8 +162,7 @@ class WorkerPool:
         if (found := self._fetched(worker, answer)) is None:
             del self.asked[worker]
             return
-        both = ({k: known[k] for k in ALIKE} for known in (software(), found))
-        if differ := differences(*both):
+        if differ := differences(*alike(software(), found)):
             self.refused[worker] = ", ".join(differ).replace("now", "there")
         else:
             self.accepted.add(worker)

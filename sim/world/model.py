@@ -177,6 +177,9 @@ def explicitness(model: mujoco.MjModel) -> float:
     )
     damping -= np.diag(model.dof_damping)
     change = np.linalg.solve(inertia, h * damping + h**2 / 2 * stiffness)
+    if not np.isfinite(change).all():
+        remedy = "give smaller numbers, first wind and density of <option>"
+        raise ModelError(f"forces that are not finite: the robot's start; {remedy}")
     return float(np.linalg.eigvals(change).real.max())
 
 

@@ -185,3 +185,17 @@ def test_what_arrays_may_need_counts_those_not_yet_written(tmp_path):
 def _full():
     raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
     yield
+
+
+def test_of_two_who_write_one_new_file_the_second_is_refused(tmp_path):
+    """Both began before the name was taken."""
+    path = tmp_path / "new.csv"
+    with (
+        pytest.raises(UsageError, match="already exists: .*new.csv; give another"),
+        whole(path, new=True) as first,
+    ):
+        first.write_text("first")
+        with whole(path, new=True) as second:
+            second.write_text("second")
+    assert path.read_text() == "second"
+    assert names(tmp_path) == ["new.csv"]

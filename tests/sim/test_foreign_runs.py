@@ -48,6 +48,21 @@ def test_a_summary_of_what_cannot_be_is_refused(
     assert said in capsys.readouterr().err
 
 
+@pytest.mark.physics
+@pytest.mark.parametrize("form", ["csv", "ros2", "header", "dynamixel"])
+def test_angles_that_no_joint_turns_to_are_not_exported(folder, capsys, form):
+    with np.load(folder / "commands.npz") as file:
+        kept = dict(file)
+    np.savez(folder / "commands.npz", **kept | {"ctrl": kept["ctrl"] + 9e8})
+    out = folder.parent / "out"
+    words = ("export", str(folder), "--no-play", "--format", form, "--out", str(out))
+    assert main(words) == 2
+    assert "joint 'swing_1' is commanded from 9e+08 to 9e+08 rad" in (
+        capsys.readouterr().err
+    )
+    assert not out.exists()
+
+
 BOMB = '<worldbody><replicate count="3000000"><geom size="1"/></replicate></worldbody>'
 FOREIGN = '<asset><texture type="2d" name="t" file="{}"/></asset>'
 MODELS = [name for name in COMMANDS if name not in ("show", "compare", "cite")]

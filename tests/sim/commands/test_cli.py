@@ -36,7 +36,7 @@ QUICK = (*SHORT, "--set", 'predictions=["quasi_static"]')
             2,
             "'many' is not allowed: --segments; g",
         ),
-        (["run", "line", "--out", "\udcff"], 2, "udcff' is not UTF-8: stratawalk; "),
+        (["run", "line", "--out", "\udcff"], 2, "is no text in UTF-8: stratawalk; "),
         (["sweep", "a", "--out", "b", "--workers", "999"], 2, "number, 1 to 256"),
         (["run", "line", "--segments", "0"], 2, "segments = 0 is not allowed"),
         (["run", "lien"], 2, "unknown scenario 'lien': SCENARIO; did you mean 'line'?"),

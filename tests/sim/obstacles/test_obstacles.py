@@ -241,3 +241,20 @@ def test_a_box_is_as_long_as_it_says(size):
     for spoilt in ([0.9 * LEAST, 1.0], [1.0, 1.1 * MOST]):
         with pytest.raises(UsageError, match="two lengths above 0"):
             decoded({"kind": "box", "center": [0.0, 0.0], "size": spoilt})
+
+
+MANY = [[5 + 0.001 * i, 0.01 * (i % 2)] for i in range(31_000)]
+
+
+@pytest.mark.parametrize(
+    "tables",
+    [
+        [{"kind": "polygon", "points": MANY}],
+        [{"kind": "wall", "points": MANY}],
+        [BOX] * 30_000,
+        [{"kind": "wall", "points": MANY[:1600]}] * 2,
+    ],
+)
+def test_obstacles_that_take_minutes_to_compile_are_refused(tables):
+    with pytest.raises(UsageError, match="points of obstacles: .*; give at most 3000"):
+        shapes.decode(tables)

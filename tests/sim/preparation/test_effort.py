@@ -67,3 +67,10 @@ def test_a_path_that_no_walk_follows_is_refused_before_planning(scenario, tmp_pa
     with pytest.raises(UsageError, match=r"path of 1e\+06 m takes .* rad of strokes"):
         run(far, RunFolder(tmp_path))
     check_distance(prepare(scenario(path=line((100.0, 0.0, 0.0)))))
+
+
+def test_turning_without_end_is_refused_before_planning(scenario, tmp_path):
+    round_and_round = scenario(path=line((0.0, 0.0, 1e6)), plan_time=1e-6)
+    with pytest.raises(UsageError, match=r"path of 1e\+06 rad takes .* rad of strokes"):
+        run(round_and_round, RunFolder(tmp_path))
+    check_distance(prepare(scenario(path=line((0.0, 0.0, 100.0)))))

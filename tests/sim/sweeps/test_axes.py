@@ -85,6 +85,7 @@ def test_impossible_values_are_refused(given, said):
         ({"friction": [0, 1]}, "points = None is not allowed"),
         ({"points": 4}, "no key varies"),
         ({"points": 4, "friction": [0, 0.5, 1]}, "no two ends"),
+        ({"points": 4} | {f"k{i}": [0, 1] for i in range(30_000)}, "30000 keys vary"),
         ({"points": 4, "seed": -1, "friction": [0, 1]}, "seed = -1 is not allowed"),
     ],
 )

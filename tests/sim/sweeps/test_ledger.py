@@ -4,6 +4,7 @@ import json
 import os
 import signal
 import time
+from dataclasses import replace
 
 import pytest
 
@@ -73,6 +74,9 @@ def test_a_line_that_was_changed_is_refused_with_its_number(tmp_path, old, new):
         b'{"digest": "a", "status": "ok", "numbers": {"x": 99999999999999999999}}',
         b'{"digest": "a", "status": "ok", "software": ["x"]}',
         b'{"digest": "a", "status": "\\udcff"}',
+        b'{"digest": "a", "status": "<b>"}', b'{"digest": "a", "status": "a: b\\n"}',
+        b'{"digest": "a", "status": "a: \\u001b[2J"}',
+        b'{"digest": "a", "status": "a: ' + b"a" * 2000 + b'"}',
         b'{"digest": "a", "status": "ok", "numbers": {"x": "\\udcff"}}',
         b'{"digest": "a", "status": "ok", "numbers": {"\\udcff": 1}}',
     ],
@@ -136,3 +140,24 @@ def test_the_lock_of_a_killed_process_is_free_and_its_owner_known(tmp_path, owne
         assert gone.startswith(f"process {owner.pid} on")
     with sole_owner(tmp_path / "x.lock") as gone:
         assert gone is None
+
+
+def test_two_results_of_a_point_are_refused_by_its_number(tmp_path):
+    paths = tmp_path / "one", tmp_path / "other"
+    second = replace(FIRST, numbers={"x": 0.2})
+    for path, outcome in zip(paths, (FIRST, second), strict=True):
+        with opened(path) as ledger:
+            ledger.add([outcome])
+    assert read_ledger(paths[0], paths[0]) == {"a": FIRST}
+    said = "other; |point 7 has two results, x: 0.1, now 0.2"
+    with pytest.raises(UsageError, match=said):
+        read_ledger(*paths, points={"a": 7})
+
+
+def test_a_line_of_other_software_is_refused_where_it_must_be_alike(tmp_path):
+    path = tmp_path / "ledger"
+    with opened(path) as ledger:
+        ledger.add([FIRST])
+    assert read_ledger(path, software={"mujoco": "1", "python": "2"}) == {"a": FIRST}
+    with pytest.raises(UsageError, match='of other software, mujoco: "2", now "1"'):
+        read_ledger(path, software={"mujoco": "2"})

@@ -21,9 +21,9 @@ from sim.cli import main
 from sim.errors import SweepError
 from sim.sweeps.file import read_sweep
 from sim.sweeps.folder import Shard
-from sim.sweeps.ledger import read_ledger, software
+from sim.sweeps.ledger import ALIKE, read_ledger, software
 from sim.sweeps.sweeping import points_of
-from sim.sweeps.worker_pool import ALIKE, Task, WorkerPool, open_pool
+from sim.sweeps.worker_pool import Task, WorkerPool, open_pool
 from sim.versions import PACKAGES
 from tests.commands import told
 from tests.sweeps import (

@@ -3,9 +3,10 @@
 import mujoco
 import pytest
 
+from models import ModelError
 from models.library import load, shipped_robots
 from sim.preparation.setup import prepare
-from sim.world.model import STABLE, explicitness, suitable_integrator
+from sim.world.model import STABLE, build, explicitness, suitable_integrator
 
 EULER = mujoco.mjtIntegrator.mjINT_EULER
 IMPLICIT = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
@@ -80,3 +81,9 @@ def test_standing_feet_slip_less_with_euler(scenario):
     fine = slip(0.00025, EULER)
     assert slip(0.001, EULER) == pytest.approx(fine, rel=0.01)
     assert slip(0.001, IMPLICIT) > 1.03 * fine
+
+
+def test_a_storm_that_overflows_is_a_bad_model(edited, scenario):
+    storm = '<option wind="1e300 0 0" density="1.2"/><worldbody>'
+    with pytest.raises(ModelError, match="not finite: .*; give smaller .* wind"):
+        build(edited("<worldbody>", storm), scenario())
