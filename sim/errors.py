@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import errno
 import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import ClassVar, Self
 
@@ -16,7 +18,6 @@ from planner import PlannerError
 from sim.endings import ENDS, ExitCode as ExitCode, kept_work, way_on
 from sim.interruption import HungUp, Terminated
 
-CUT = " ... "
 LONGEST_MESSAGE = 1000  # characters of a line; what is left out is in its middle
 ROOT = Path(__file__).resolve().parent.parent
 LAYERS = ("planner", "models", "sim")
@@ -110,6 +111,17 @@ class FilesError(StratawalkError):
     exit_code = ExitCode.FILES
 
 
+@contextmanager
+def telling(
+    what: str, where: object, remedy: str, kind: type[StratawalkError] = FilesError
+) -> Iterator[None]:
+    """Say what the system refuses, and why: `what, its reason: where; remedy`."""
+    try:
+        yield
+    except OSError as error:
+        raise kind(f"{what}, {error.strerror}", str(where), remedy) from error
+
+
 class SweepError(StratawalkError):
     """A sweep whose points could not all be walked."""
 
@@ -163,18 +175,12 @@ def printable(text: str) -> str:
     )
 
 
-def is_message(text: str) -> bool:
-    """Whether a text may be one that `one_line` has made."""
-    short = len(text) <= LONGEST_MESSAGE + len(CUT)
-    return short and ": " in text and printable(" ".join(text.split())) == text
-
-
 def one_line(error: BaseException) -> str:
     """The error as `what: where; what to do`, on one line."""
     line = printable(" ".join(_describe(error).split()))
     if len(line) <= LONGEST_MESSAGE:
         return line
-    return f"{line[: LONGEST_MESSAGE // 2]}{CUT}{line[-LONGEST_MESSAGE // 2 :]}"
+    return f"{line[: LONGEST_MESSAGE // 2]} ... {line[-LONGEST_MESSAGE // 2 :]}"
 
 
 def _describe(error: BaseException) -> str:

@@ -20,7 +20,7 @@ import numpy as np
 
 from planner.support import require_space, whole_file
 from sim.endings import command
-from sim.errors import ExitCode, FilesError, StratawalkError, UsageError, exit_code
+from sim.errors import ExitCode, FilesError, UsageError, exit_code, telling
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,10 +50,8 @@ class RunFolder:
 
     def reserve(self, size: int) -> None:
         """Refuse to begin where the disk has less than `size` bytes."""
-        try:
+        with _writing(self.path, lambda: size):
             require_space(self.path, size)
-        except OSError as error:
-            raise _failure(error, self.path, size) from error
 
     def write_arrays(
         self, name: str, arrays: Iterable[tuple[str, np.ndarray | Pieces]]
@@ -77,11 +75,8 @@ class RunFolder:
 
     def inner(self, name: str) -> RunFolder:
         """A new folder within this one."""
-        path = self.path / name
-        try:
-            return RunFolder(_make(path))
-        except OSError as error:
-            raise _failure(error, path) from error
+        with _writing(self.path / name):
+            return RunFolder(_make(self.path / name))
 
     def discard_if_empty(self) -> None:
         """Remove the folder if nothing was written to it."""
@@ -152,11 +147,8 @@ def claim(folder: Path | None, scenario: str) -> RunFolder:
 
 def ensure_folder(folder: Path, what: str = "folder") -> Path:
     """Make a folder, which a message calls `what`, unless it is there."""
-    try:
+    with telling(f"cannot make the {what}", folder, "choose another with --out"):
         folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        reason = f"cannot make the {what}, {error.strerror}"
-        raise FilesError(reason, str(folder), "choose another with --out") from error
     return folder
 
 
@@ -211,7 +203,7 @@ def blamed_on(place: Path, remedy: str = "") -> Iterator[None]:
 @contextmanager
 def whole(
     path: Path,
-    size: int | None = None,
+    size: int = 0,
     at_most: Callable[[], int] | None = None,
     *,
     new: bool = False,
@@ -222,21 +214,24 @@ def whole(
     says that up to `at_most()` are needed. Where a file was to be `new`, the second of
     two at once is a UsageError.
     """
-    try:
-        with whole_file(path, size or 0, new) as part:
-            yield part
-    except OSError as error:
-        needed = (size, "") if at_most is None else (at_most(), "up to ")
-        raise _failure(error, path, *needed) from error
+    needed, about = (at_most, "up to ") if at_most else (lambda: size, "")
+    with _writing(path, needed, about), whole_file(path, size, new) as part:
+        yield part
 
 
-def _failure(
-    error: OSError, path: Path, size: int | None = None, about: str = ""
-) -> StratawalkError:
-    if isinstance(error, FileExistsError):
-        return UsageError("already exists", str(path), "give another name")
-    if error.errno not in (errno.ENOSPC, errno.EDQUOT):
-        reason = f"cannot be written, {error.strerror}"
-        return FilesError(reason, str(path), "choose another folder with --out")
-    needed = f", {about}{size / 1e6:.1f} MB needed" if size else ""
-    return FilesError(f"disk full{needed}", str(path), "free some space, or use --out")
+@contextmanager
+def _writing(
+    path: Path, needed: Callable[[], int] = lambda: 0, about: str = ""
+) -> Iterator[None]:
+    with telling("cannot be written", path, "choose another folder with --out"):
+        try:
+            yield
+        except FileExistsError as error:
+            remedy = "give another name"
+            raise UsageError("already exists", str(path), remedy) from error
+        except OSError as error:
+            if error.errno not in (errno.ENOSPC, errno.EDQUOT):
+                raise
+            most = f", {about}{size / 1e6:.1f} MB needed" if (size := needed()) else ""
+            remedy = "free some space, or use --out"
+            raise FilesError(f"disk full{most}", str(path), remedy) from error

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import shutil
 import time
 import warnings
 from collections.abc import Callable, Collection
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -22,7 +22,7 @@ from sim.evaluation.assessment import Evaluation, evaluate
 from sim.evaluation.phases import carried_out
 from sim.evaluation.summary import Summary
 from sim.feedback.stops import written as feedback_table
-from sim.folder import Pieces, RunFolder, claim, new_file, whole
+from sim.folder import Pieces, RunFolder, claim, new_file
 from sim.logs.log import Log, written
 from sim.physics.engine import STRETCH
 from sim.preparation.setup import Setup
@@ -216,12 +216,8 @@ def film(
     done = evaluate(walked) if isinstance(walked, Walk) else walked
     with TemporaryDirectory() as scratch:
         _, run = _written(done, Path(scratch) / "run")
-        filmed = film_folder(
-            run.folder, look=look, progress=lambda part: progress("filming", part)
-        )
-        with whole(path, new=True) as part:
-            shutil.move(filmed, part)
-    return path
+        shown = partial(progress, "filming")
+        return film_folder(run.folder, look=look, path=path, progress=shown)
 
 
 def _written(

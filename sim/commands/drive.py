@@ -17,7 +17,7 @@ from threading import Thread
 from typing import IO, TYPE_CHECKING
 
 from sim.commands import options as cli
-from sim.errors import FilesError, UsageError
+from sim.errors import FilesError, UsageError, telling
 from sim.folder import require_free
 
 if TYPE_CHECKING:
@@ -35,12 +35,8 @@ def drive(options: argparse.Namespace) -> None:
     from sim.export.served import served
 
     with ExitStack() as files:
-        try:
-            poses = _opened(files, options.poses, "r", sys.stdin)
-            commands = _opened(files, options.commands, "w", sys.stdout)
-        except OSError as error:
-            where, what = str(error.filename), f"cannot be opened, {error.strerror}"
-            raise FilesError(what, where, "name a file, a pipe, or -") from error
+        poses = _opened(files, options.poses, "r", sys.stdin)
+        commands = _opened(files, options.commands, "w", sys.stdout)
         link = Link(Poses(poses), commands, options.pace, options.patience)
         walk = served(scenario)
         link.send(walk, walk.stand())
@@ -69,11 +65,12 @@ def _opened(files: ExitStack, name: str, mode: str, standard: IO[str]) -> IO[str
         return standard
     if mode == "w" and (os.path.isfile(name) or not os.path.exists(name)):
         mode = "x"  # what exists must be a pipe or a device
-    try:
-        file = open(name, mode, encoding="utf-8")  # noqa: SIM115 (closed below)
-    except FileExistsError:
-        require_free(name, "--commands")
-        raise
+    with telling("cannot be opened", name, "name a file, a pipe, or -"):
+        try:
+            file = open(name, mode, encoding="utf-8")  # noqa: SIM115 (closed below)
+        except FileExistsError:
+            require_free(name, "--commands")
+            raise
     files.callback(_close, file)
     return file
 

@@ -20,7 +20,7 @@ from models import SERVO_KINDS, Card, JointServo, ServoKind
 from models.description import BOARD_CLOCK, BOARD_COUNTS as FRAME, Table, board_rate
 from planner import Array
 from planner.support import read_file
-from sim.errors import UsageError
+from sim.errors import UsageError, telling
 from sim.export.servo_commands import ServoCommands
 
 FRAMES = (24.0, 1526.0)  # that a PCA9685 can give in a second
@@ -219,11 +219,10 @@ RosLoader.add_constructor("!radians", _angle)
 
 def read_ros_table(path: Path) -> dict[str, JointServo]:
     """Read the servos of a robot, by the names of their joints."""
+    with telling("cannot be read", path, "give a YAML file", UsageError):
+        text = read_file(path, YAML_BYTES)
     try:
-        read = yaml.load(read_file(path, YAML_BYTES), Loader=RosLoader)  # noqa: S506
-    except OSError as error:
-        what = f"cannot be read, {error.strerror}"
-        raise UsageError(what, str(path), "give a YAML file") from error
+        read = yaml.load(text, Loader=RosLoader)  # noqa: S506
     except (LookupError, AttributeError) as error:  # of a tag such as !!bool
         raise UsageError("a value not of its tag !!", str(path), REMEDY) from error
     except (yaml.YAMLError, ValueError, RecursionError) as error:

@@ -143,10 +143,8 @@ class _Standing:
     def weightless(self) -> Iterator[tuple[str, str]]:
         off = self.model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_GRAVITY
         if off or self.model.opt.gravity[2] >= 0:
-            yield (
-                "no gravity pulls it down",
-                'give <option> gravity="0 0 -9.81", and no <flag> that disables it',
-            )
+            remedy = 'give <option> gravity="0 0 -9.81", and no <flag> that disables it'
+            yield "no gravity pulls it down", remedy
 
     def tipped(self) -> Iterator[tuple[str, str]]:
         tilt = float(np.arccos(np.clip(self.data.body(self.robot.root).xmat[8], -1, 1)))

@@ -16,7 +16,7 @@ from pathlib import Path
 import imageio_ffmpeg
 
 from planner import Array
-from sim.errors import RenderError
+from sim.errors import RenderError, telling
 from sim.pictures.clock import FRAME_RATE
 
 CODEC = "libx264"
@@ -83,11 +83,8 @@ def count_pictures(film: Path) -> int:
 def _ffmpeg(*arguments: str) -> str:
     """Output of ffmpeg; RenderError if it fails, OSError if the disk is full."""
     command = (_executable(), "-v", "error", "-nostdin", *arguments)
-    try:
+    with telling("no ffmpeg", command[0], INSTALL, RenderError):
         done = subprocess.run(command, capture_output=True, text=True, errors="replace")
-    except OSError as error:
-        what = f"no ffmpeg, {error.strerror}"
-        raise RenderError(what, command[0], INSTALL) from error
     if FULL in done.stderr:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
     if done.returncode:

@@ -19,7 +19,7 @@ import numpy as np
 import planner.planning
 from planner import Array, Path
 from planner.support import read_text
-from sim.errors import UsageError
+from sim.errors import UsageError, telling
 from sim.scenarios.declaration import (
     LEAST,
     Range,
@@ -168,16 +168,14 @@ def _read_poses(file: object) -> list[tuple[float, ...]]:
     """Poses from a CSV file with a column for each of `COLUMNS`, in any order."""
     if not isinstance(file, str):
         raise refusal(file, "the name of a CSV file", WHERE, "path.file")
-    try:
-        return _poses_in(read_text(FilePath(file), MOST_BYTES))
-    except OSError as error:
-        what = f"cannot be read, {error.strerror}"
-        raise UsageError(what, file, "give a CSV file that exists") from error
-    except csv.Error as error:
-        remedy = "give a line of three numbers a pose"
-        raise UsageError(f"no table, {error}", file, remedy) from error
-    except ValueError as error:
-        raise UsageError.at(file, error, "save the table in UTF-8") from error
+    with telling("cannot be read", file, "give a CSV file that exists", UsageError):
+        try:
+            return _poses_in(read_text(FilePath(file), MOST_BYTES))
+        except csv.Error as error:
+            remedy = "give a line of three numbers a pose"
+            raise UsageError(f"no table, {error}", file, remedy) from error
+        except ValueError as error:
+            raise UsageError.at(file, error, "save the table in UTF-8") from error
 
 
 def _poses(key: str, value: object) -> tuple[Pose, ...]:

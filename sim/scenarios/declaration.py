@@ -25,17 +25,9 @@ Table = Mapping[str, Any]  # as TOML has it
 
 LEAST = 1e-9  # of what must be above 0: what is divided by less overflows
 Effect = Literal[
-    "label",
-    "equations",
-    "plan",
-    "motion",
-    "world",
-    "drive",
-    "refusal",
-    "known",
-    "rows",
-    "film",
-]
+    "label", "equations", "plan", "motion", "world", "drive", "refusal", "known",
+    "rows", "film",
+]  # fmt: skip
 """What a setting can change: names, a robot's equations, the flows of a plan, the time
 that phases take, the physics, the commands of servos, what is refused, what the
 compliant prediction knows, the rows that are written, the film."""

@@ -12,7 +12,7 @@ from typing import Any
 
 from models.description import parse_toml, toml_key, toml_text
 from planner.support import did_you_mean, read_text
-from sim.errors import UsageError
+from sim.errors import UsageError, telling
 from sim.scenarios import body_path as nominal, obstacles as shapes
 from sim.scenarios.body_path import START
 from sim.scenarios.declaration import Table
@@ -201,13 +201,12 @@ def find(source: str, folder: Path, what: str, where: str, otherwise: str) -> Pa
 
 def read_toml(path: Path) -> Values:
     """A TOML file as a table."""
-    try:
-        return parse_toml(read_text(path))
-    except ValueError as error:
-        raise UsageError(f"not TOML, {error}", str(path), "correct the file") from error
-    except OSError as error:
-        reason = f"cannot be read, {error.strerror}"
-        raise UsageError(reason, str(path), "give a readable file") from error
+    with telling("cannot be read", path, "give a readable file", UsageError):
+        try:
+            return parse_toml(read_text(path))
+        except ValueError as error:
+            what, remedy = f"not TOML, {error}", "correct the file"
+            raise UsageError(what, str(path), remedy) from error
 
 
 def _replace(table: Values, key: str, value: object) -> None:

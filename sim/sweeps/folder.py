@@ -19,7 +19,7 @@ from typing import Any
 from filelock import FileLock, Timeout
 
 from planner.support import read_file
-from sim.errors import FilesError, UsageError, is_text
+from sim.errors import FilesError, UsageError, is_text, telling
 from sim.folder import RunFolder, ensure_folder
 from sim.sweeps.file import Sweep, left_out
 from sim.sweeps.ledger import ALIKE, differences, software
@@ -91,18 +91,16 @@ class About:
     @classmethod
     def read(cls, path: Path) -> About | None:
         """What the sweep of a folder is about; None where nothing says so yet."""
-        try:
-            found = json.loads(read_file(path))
-            json.dumps(found, allow_nan=False, ensure_ascii=False).encode()  # is plain
-            return cls(**found)
-        except FileNotFoundError:
-            return None
-        except OSError as error:
-            what = f"cannot be read, {error.strerror}"
-            raise FilesError(what, str(path), "choose another folder") from error
-        except UNREADABLE as error:
-            remedy = "choose another folder"
-            raise UsageError("not as a sweep wrote it", str(path), remedy) from error
+        with telling("cannot be read", path, remedy := "choose another folder"):
+            try:
+                found = json.loads(read_file(path))
+                json.dumps(found, allow_nan=False, ensure_ascii=False).encode()
+                return cls(**found)
+            except FileNotFoundError:
+                return None
+            except UNREADABLE as error:
+                what = "not as a sweep wrote it"
+                raise UsageError(what, str(path), remedy) from error
 
     @property
     def sweep(self) -> Sweep:
@@ -197,15 +195,13 @@ def sole_owner(path: Path) -> Iterator[str | None]:
     Yields who held it last and ended without letting go, if anybody did.
     """
     lock, owner = FileLock(path, timeout=0), path.with_suffix(".owner")
-    try:
-        lock.acquire()
-    except Timeout:
-        what = f"{_owner_in(owner) or 'another process'} is working on this sweep"
-        remedy = "wait for it, or choose another folder with --out"
-        raise FilesError(what, str(path.parent), remedy) from None
-    except OSError as error:
-        reason = f"cannot be locked, {error.strerror}"
-        raise FilesError(reason, str(path.parent), "choose another folder") from error
+    with telling("cannot be locked", path.parent, "choose another folder"):
+        try:
+            lock.acquire()
+        except Timeout:
+            what = f"{_owner_in(owner) or 'another process'} is working on this sweep"
+            remedy = "wait for it, or choose another folder with --out"
+            raise FilesError(what, str(path.parent), remedy) from None
     try:
         gone = _owner_in(owner)
         me = {"pid": os.getpid(), "host": socket.gethostname()}

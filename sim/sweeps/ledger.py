@@ -21,7 +21,7 @@ from pathlib import Path
 
 from models import ModelError, load
 from planner.support import open_file
-from sim.errors import FilesError, UsageError, is_message, is_text
+from sim.errors import UsageError, is_text, printable, telling
 from sim.scenarios.file import to_table
 from sim.scenarios.scenario import Scenario
 from sim.sweeps.file import flat
@@ -124,8 +124,9 @@ class Outcome:
         numbers = self.numbers.values()
         if not (all(map(is_text, words)) and all(map(_is_plain, numbers))):
             raise TypeError("a text of it is no text, or a number no number")
-        if self.status != OK and not is_message(self.status):
-            raise TypeError("its status is not as a message is written")
+        line = printable(" ".join(self.status.split()))
+        if self.status != OK and (line != self.status or ": " not in line):
+            raise TypeError("its status is no message of one line")
 
     @property
     def line(self) -> bytes:
@@ -153,26 +154,20 @@ class Ledger:
     def add(self, outcomes: Iterable[Outcome]) -> None:
         """Write lines and wait until they are on the disk."""
         content = b"".join(one.line for one in outcomes)
-        try:
+        remedy = "make room, and go on with --resume; finished points are kept"
+        with telling("cannot be written", self._path, remedy):
             while content:
                 content = content[os.write(self._handle, content) :]
             os.fsync(self._handle)
-        except OSError as error:
-            reason = f"cannot be written, {error.strerror}"
-            remedy = "make room, and go on with --resume; finished points are kept"
-            raise FilesError(reason, str(self._path), remedy) from error
 
 
 @contextmanager
 def opened(path: Path) -> Iterator[Ledger]:
     """A ledger to add to; a line that was torn is cut off first."""
-    try:
-        flags = os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_NOFOLLOW
+    flags = os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_NOFOLLOW
+    with telling("cannot be opened", path, "choose another folder"):
         handle = os.open(path, flags, 0o666)
         os.ftruncate(handle, path.read_bytes().rfind(b"\n") + 1)
-    except OSError as error:
-        reason = f"cannot be opened, {error.strerror}"
-        raise FilesError(reason, str(path), "choose another folder") from error
     try:
         yield Ledger(path, handle)
     finally:

@@ -190,12 +190,14 @@ def _full():
 def test_of_two_who_write_one_new_file_the_second_is_refused(tmp_path):
     """Both began before the name was taken."""
     path = tmp_path / "new.csv"
-    with (
-        pytest.raises(UsageError, match="already exists: .*new.csv; give another"),
-        whole(path, new=True) as first,
-    ):
-        first.write_text("first")
-        with whole(path, new=True) as second:
-            second.write_text("second")
+
+    def write_twice():
+        with whole(path, new=True) as first:
+            first.write_text("first")
+            with whole(path, new=True) as second:
+                second.write_text("second")
+
+    with pytest.raises(UsageError, match="already exists: .*new.csv; give another"):
+        write_twice()
     assert path.read_text() == "second"
     assert names(tmp_path) == ["new.csv"]
