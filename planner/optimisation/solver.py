@@ -75,10 +75,8 @@ class Ipopt:
     ) -> None:
         self._given = program, options or {}
         self._watch = _watch()(program["x"].numel(), program["g"].numel())
-        settings = (
-            CASADI["quiet"] | {"iteration_callback": self._watch} | self._given[1]
-        )
-        self._solver = solver().nlpsol("plan", "ipopt", program, settings)
+        quiet = CASADI["quiet"] | {"iteration_callback": self._watch}
+        self._solver = solver().nlpsol("plan", "ipopt", program, quiet | self._given[1])
 
     def warm(self) -> Ipopt:
         """The same program, with its derivatives, to be solved from near a solution."""

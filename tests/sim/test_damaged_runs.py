@@ -224,24 +224,6 @@ DAMAGES = {
         words(lambda text: re.sub(r"\n(\d+),1,", r"\n\1,999,", text)),
         "show cite",
     ),
-    **{
-        f"a phase with {name}": (
-            "flows.csv",
-            words(lambda text, old=old, new=new: re.sub(old, new, text, count=1)),
-            "show cite",
-        )
-        for name, old, new in [
-            ("an unknown stratum", ",lift,2,", ",lift,<b>,"),
-            ("a stratum in another order", ",hold,12,", ",hold,21,"),
-            ("an unknown leg", ",lift,2,", ",lift,legs 9,"),
-            ("an unknown group", "(,lift,.*),1,", r"\1,<b>,"),
-            ("a field of another stratum", ",swing,2,g2_1,", ",swing,2,g1_1,"),
-            ("a field without a swing", ",lift,2,,", ",lift,2,g2_1,"),
-            ("an angle of many turns", ",lift,2,,[^,]*,", ",lift,2,,1e6,"),
-            ("contacts neither planned nor not", ",1\n", ",<b>\n"),
-            ("another number", r"\n3,", r"\n4,"),
-        ]
-    },
     "a film without end": (
         "scenario.toml",
         words(lambda text: text.replace("playback = 60.0", "playback = 1e-9")),

@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 from sim.cli import main
+from sim.errors import UsageError
+from sim.runs.run import read_run
 from tests.commands import refusal, run
 from tests.sim.test_damaged_runs import COMMANDS
 
@@ -61,6 +63,30 @@ def test_angles_that_no_joint_turns_to_are_not_exported(folder, capsys, form):
         capsys.readouterr().err
     )
     assert not out.exists()
+
+
+@pytest.mark.physics
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        (",lift,2,", ",lift,<b>,"),  # no group
+        (",hold,12,", ",hold,21,"),  # not in their order
+        (",lift,2,", ",lift,legs 9,"),
+        ("(,lift,.*),1,", r"\1,<b>,"),
+        (",swing,2,g2_1,", ",swing,2,g1_1,"),  # a field of another stratum
+        (",lift,2,,", ",lift,2,g2_1,"),  # a field without a swing
+        (",lift,2,,[^,]*,", ",lift,2,,1e6,"),  # many turns
+        (",1\n", ",<b>\n"),  # neither as planned nor not
+        (r"\n3,", r"\n4,"),  # not the next number
+    ],
+)
+def test_a_phase_that_the_robot_cannot_have_walked_is_refused(folder, old, new):
+    text = (folder / "flows.csv").read_text()
+    changed = re.sub(old, new, text, count=1)
+    assert changed != text
+    (folder / "flows.csv").write_text(changed)
+    with pytest.raises(UsageError, match="not a finished run, "):
+        read_run(folder)
 
 
 BOMB = '<worldbody><replicate count="3000000"><geom size="1"/></replicate></worldbody>'

@@ -106,6 +106,20 @@ def test_names_add_no_element_to_the_page_of_a_study(studied):
         assert added <= {("text", 2), ("wbr", 0)}  # other ways to place a label
 
 
+def test_statuses_add_no_element_to_the_page_of_a_study(tmp_path):
+    asked = {"vary": {"friction": []}, "scenario": {"name": "line"}, "set": {}}
+    done = {"verdict": "arrived", "path_length": 0.1, "distance_walked": 1.0}
+    done |= {"status": "ok", "error.quasi_static.farthest": 0.001}
+    table, page, pages = tmp_path / "table.parquet", tmp_path / "study.html", []
+    for status in ("no plan: none", "no plan: <script>alert(1)</script><b x=1>"):
+        rows = [{"point": n, "friction": n / 2} | done for n in range(3)]
+        rows.append({"point": 3, "friction": 2.0, "status": status})
+        write_table(table, rows, {"asked": asked, "software": {}})
+        assert main(["study", str(table), "--out", str(page)]) == 0
+        pages.append(elements(page.read_text()))
+    assert not set(pages[1]) - set(pages[0])
+
+
 def test_chromium_finds_no_new_element(pages, tmp_path):
     script = """
       window.alert = () => { document.title = "INJECTED"; };

@@ -225,3 +225,11 @@ def test_ctrl_c_is_answered_while_a_users_model_compiles(robot, tmp_path):
     _, said = process.communicate(timeout=20)
     assert process.returncode == 130
     assert said.startswith("stratawalk: error: interrupted")
+
+
+@pytest.mark.parametrize(
+    "words", [[5], ["run", None], ["compare", "a", "--out", "a\0b"], ["plan", b"line"]]
+)
+def test_words_of_a_program_that_no_shell_has_are_refused(words, capsys):
+    assert main(words) == 2
+    assert "is no text in UTF-8: stratawalk; rename it" in capsys.readouterr().err

@@ -239,14 +239,6 @@ def test_the_name_of_the_program_may_stand_there_too(capsys):
     assert capsys.readouterr().out.startswith("unicycle ")
 
 
-@pytest.mark.parametrize(
-    "words", [[5], ["run", None], ["compare", "a", "--out", "a\0b"], ["plan", b"line"]]
-)
-def test_words_of_a_program_that_no_shell_has_are_refused(words, capsys):
-    assert main(words) == 2
-    assert "is no text in UTF-8: stratawalk; rename it" in capsys.readouterr().err
-
-
 def test_one_system_is_told_by_its_name(capsys):
     assert main(["systems", "unicycle"]) == 0
     assert capsys.readouterr().out.startswith("unicycle ")

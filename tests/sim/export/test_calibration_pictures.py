@@ -81,3 +81,16 @@ def test_the_sheet_has_its_size_and_a_ring_of_a_degree_for_each_foot(tmp_path):
         np.stack([radii, radii, 2 * radii], axis=1), abs=2e-3
     )
     assert (np.sort(size) < [0.297, 0.420]).all()  # A3, as docs/first-robot.md says
+
+
+def test_the_name_of_a_folder_commands_no_terminal(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "answers").write_text("")
+    name = "a\x1b[2J"
+    (tmp_path / name).mkdir()
+    (tmp_path / name / "index.html").touch()
+    words = ["calibrate", "hexapod-classroom", "--out", name, "--answers", "answers"]
+    assert main(words) == 2
+    told = capsys.readouterr()
+    assert "\x1b" not in told.out + told.err
+    assert "a\\x1b[2J" in told.out

@@ -246,6 +246,7 @@ def test_shards_are_merged_to_the_bytes_of_the_whole(swept, tmp_path):
     lacking = walked_here("merge", alone)
     assert lacking.returncode == 2
     assert "2 of 4 points are missing: 1, 3" in lacking.stderr
+    assert f"stratawalk sweep FILE.toml --out {alone} --resume" in lacking.stderr
     done = walked_here("merge", alone, beside, "--out", tmp_path / "both")
     assert done.returncode == 0, done.stderr
     wanted = (whole / "table.parquet").read_bytes()
