@@ -8,6 +8,7 @@ import pytest
 from PIL import Image
 
 from models import Kinematics, load
+from sim.cli import main
 from sim.export import calibration
 from tests.hostile import named_otherwise
 
