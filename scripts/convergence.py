@@ -15,11 +15,16 @@ from typing import Any
 
 import numpy as np
 
-from scripts.pages import STUDIES, parser_of, picture, tabulate
+from scripts.pages import parser_of, picture, tabulate
 from sim import load_scenario, simulate
 
 PATH = {"kind": "line", "goal": [0.03, 0.03, 0.314]}
-VALUES = STUDIES["convergence"]
+VALUES: Mapping[str, tuple[str, Sequence[float]]] = {  # units, and what is tried
+    "timestep": ("[s]", (0.002, 0.001, 0.0005, 0.00025)),
+    "swing_speed": ("[rad/s]", (0.25, 0.5, 1.0, 1.5, 3.0, 6.0)),
+    "servo_stiffness": ("[N m/rad]", (50.0, 100.0, 300.0, 1000.0, 3000.0)),
+    "friction": ("", (0.3, 0.6, 0.9, 1.2)),
+}
 PREDICTION, OFF = "quasi_static", "quasi-static"
 COLOUR = "#8022be"  # that this prediction has in all pictures
 KINDS = {"lift": "lift-off to", "swing": "swing on", "land": "touchdown from"}

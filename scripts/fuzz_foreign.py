@@ -27,8 +27,13 @@ from scripts.endings import ROOT, ending
 from scripts.fuzz_inputs import NASTY, TEXTS, mutated, write
 from scripts.torture import TEXTS as SMALL
 
+RUN = "run line --segments 1 --set path.goal=[0.005,0,0] --no-video"
+SWEPT = "sweep mine.toml --workers 1"
 MAKING = 600.0  # [s] that these may take
+BODY = ("body.x", "body.y", "body.yaw", "body.x.error", "contact.1")
+DRIVEN = "line --segments 2 --set path.goal=[0.005,0,0] --pace 0 --poses mine.csv"
 SCRATCH = tempfile.TemporaryDirectory(prefix="fuzz-")
+SIZES = (0, 1, 2, 7, 10**5, 2**31, 2**63 - 1)
 
 
 def flipped(content: bytes, rng: random.Random) -> bytes:
@@ -70,7 +75,7 @@ def sweep(folder: Path, rng: random.Random) -> list[str]:
 
 def ledger(folder: Path, rng: random.Random) -> list[str]:
     """What a sweep has done; lines of its ledger may be sealed again."""
-    shutil.copytree(_made(TEXTS["swept"]), folder / "mine")
+    shutil.copytree(_made(SWEPT), folder / "mine")
     path = folder / "mine" / rng.choice(("ledger.jsonl", "ledger.jsonl", "sweep.json"))
     if path.suffix == ".json":
         write(path, _json(path.read_text(), rng))
@@ -84,7 +89,7 @@ def ledger(folder: Path, rng: random.Random) -> list[str]:
 
 def table(folder: Path, rng: random.Random) -> list[str]:
     """The table of a sweep."""
-    content = (_made(TEXTS["swept"]) / "table.parquet").read_bytes()
+    content = (_made(SWEPT) / "table.parquet").read_bytes()
     (folder / "table.parquet").write_bytes(flipped(content, rng))
     return ["study", "table.parquet"]
 
@@ -95,7 +100,7 @@ def servos(folder: Path, rng: random.Random) -> list[str]:
     text = "".join(TEXTS["servo"].format(name, n) for n, name in enumerate(card.joints))
     write(folder / "servos.yaml", mutated(text, rng))
     words = ("--format", "dynamixel", "--no-play", "--out", "walk")
-    return ["export", str(_made(TEXTS["run"])), *words, "--servo-table", "servos.yaml"]
+    return ["export", str(_made(RUN)), *words, "--servo-table", "servos.yaml"]
 
 
 def log(folder: Path, rng: random.Random) -> list[str]:
@@ -106,7 +111,7 @@ def log(folder: Path, rng: random.Random) -> list[str]:
         head += [f"measured.{name}" for name in head[1:]]
         rows = [[*row, *row[1:]] for row in rows]
     if posed := rng.random() < 0.5:
-        head += TEXTS["body"]
+        head += BODY
         rows = [[*row, f"{n / 999}", "0", "", "nan", "1"] for n, row in enumerate(rows)]
     text = "".join(",".join(row) + "\n" for row in (head, *rows))
     write(folder / "mine.csv", mutated(text, rng))
@@ -124,7 +129,7 @@ def poses(folder: Path, rng: random.Random) -> list[str]:
     else:
         text = "\n".join(TEXTS["pose"].format(n / 9, n / 999) for n in range(20))
     write(folder / "mine.csv", mutated(text, rng))
-    return ["plan", "mine.toml"] if along else ["drive", *TEXTS["driven"].split()]
+    return ["plan", "mine.toml"] if along else ["drive", *DRIVEN.split()]
 
 
 def answers(folder: Path, rng: random.Random) -> list[str]:
@@ -139,15 +144,15 @@ def answers(folder: Path, rng: random.Random) -> list[str]:
 
 def run_folder(folder: Path, rng: random.Random) -> list[str]:
     """A finished run, one of whose files is mutated."""
-    shutil.copytree(_made(TEXTS["run"]), folder / "mine")
-    path = folder / "mine" / rng.choice(TEXTS["files"])
+    shutil.copytree(_made(RUN), folder / "mine")
+    path = folder / "mine" / rng.choice(FILES)
     if path.suffix == ".npz":
         change = _arrays if rng.random() < 0.7 else flipped
         path.write_bytes(change(path.read_bytes(), rng))
     else:
         change = _json if path.suffix == ".json" else mutated
         write(path, change(path.read_text(), rng))
-    return [*rng.choice(TEXTS["readers"]), "mine"]
+    return [*rng.choice(READERS), "mine"]
 
 
 def viewer(folder: Path, rng: random.Random) -> str:
@@ -169,6 +174,15 @@ def viewer(folder: Path, rng: random.Random) -> str:
     return ""
 
 
+FILES = (
+    *("scenario.toml", "model.xml", "summary.json", "model.toml"),
+    *("trajectory.npz", "trajectory.npz", "commands.npz", "flows.csv"),
+)
+READERS = (
+    *(["show", "--no-browser"], ["compare", "mine"], ["cite"], ["sensitivities"]),
+    ["export", "--format", "csv", "--no-play", "--out", "walk.csv"],
+    ["view", "--replay", "--no-browser"],
+)
 FOREIGN: dict[str, Callable[[Path, random.Random], list[str] | str]] = {
     "adopt-mjcf": partial(adopted, urdf=False),
     "adopt-urdf": partial(adopted, urdf=True),
@@ -257,7 +271,7 @@ def _packed(arrays: dict[str, np.ndarray], rng: random.Random) -> bytes:
     np.savez(out, **arrays)  # type: ignore[arg-type]
     content = out.getvalue()
     if rng.random() < 0.2:
-        sizes = f"'shape': ({rng.choice(TEXTS['sizes'])},".encode()
+        sizes = f"'shape': ({rng.choice(SIZES)},".encode()
         at = content.find(b"'shape': (")
         end = content.find(b",", at) + 1
         content = content[:at] + sizes.ljust(end - at) + content[end:]

@@ -24,6 +24,7 @@ NASTY = (
     *(str(2**63), "9" * 400, "1" * 5000, "[" * 300, "\x00", "\udcff", "ö"),
 )
 TEXTS = tomllib.loads((ROOT / "scripts" / "fuzz.toml").read_text())
+FORMULAS = ("Abs(x)", "sign(y)", "sqrt(x)", "1/x", "x**y", "log(x)", "atan2(y, x)")
 
 
 def mutated(text: str, rng: random.Random) -> str:
@@ -49,8 +50,8 @@ def _word(text: str, rng: random.Random) -> str:
     words = list(re.finditer(r"[A-Za-z_]\w*", text)) or list(re.finditer(".", text))
     if len(words) < 2:
         return text
-    old, new = rng.choice(words), rng.choice((rng.choice(words)[0], *TEXTS["formulas"]))
-    return text[: old.start()] + new + text[old.end() :]
+    old, new = rng.choice(words), rng.choice(words)[0]
+    return text[: old.start()] + rng.choice((new, *FORMULAS)) + text[old.end() :]
 
 
 def _lines(text: str, rng: random.Random) -> str:

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 LOOKS = tomllib.loads((files("sim") / "styles.toml").read_text("utf-8"))  # of figures
-STUDIES = tomllib.loads((files("scripts") / "studies.toml").read_text("utf-8"))
 TABLE = re.compile(r"(?:^\|.*\n)+", re.MULTILINE)
 
 

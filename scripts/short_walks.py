@@ -16,10 +16,14 @@ from pathlib import Path
 
 import numpy as np
 
-from scripts.pages import STUDIES, parser_of, picture
+from scripts.pages import parser_of, picture
 from sim import Judge, ScenarioProblem, least_time, load_scenario, prepare
 
-SEGMENTS = STUDIES["short_walks"]
+SEGMENTS: Mapping[str, Sequence[int]] = {
+    "line": (20, 30, 40, 60, 80),
+    "ellipse": (30, 45, 60, 90, 120),
+    "diagonal": (15, 22, 30, 45, 60),
+}
 STYLES = {"printed": "o-", "shortest": "s--", "optimised": "D-"}
 COLOURS = "#0919d6", "#ca962f", "#73118d"  # as of several runs in one drawing
 WIDER = (1.0, 2.0)  # tolerances of optimised plans, in deviations of the printed plan

@@ -1,7 +1,7 @@
-"""CasADi's expressions, with exact derivatives, and its solver CASADI.
+"""CasADi's expressions, with exact derivatives, and its solver IPOPT.
 
 CasADi is imported when it is first needed. It takes Ctrl-C for a failure of the problem
-and forgets it. While CASADI runs, signals are therefore only noted; its next iteration
+and forgets it. While IPOPT runs, signals are therefore only noted; its next iteration
 ends the run, and they are raised again after it. A run also ends when the time to plan
 in is over.
 """
@@ -10,11 +10,9 @@ from __future__ import annotations
 
 import signal
 import threading
-import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import lru_cache
-from importlib.resources import files
 from types import FrameType
 from typing import Any
 
@@ -27,9 +25,30 @@ from planner.support.stopping import tick
 Expression = Any
 """A symbol, expression or function of CasADi, or the module itself: it has no types."""
 
-CASADI = tomllib.loads((files(__package__) / "casadi.toml").read_text("utf-8"))
+QUIET = {
+    "ipopt.print_level": 0,
+    "ipopt.sb": "yes",
+    "print_time": False,
+    "ipopt.max_iter": 250,
+    "ipopt.tol": 1e-6,
+    "ipopt.acceptable_iter": 0,
+}
+
+WARM = {  # close to where a solution is known to be
+    "ipopt.mu_init": 1e-6,
+    "ipopt.warm_start_init_point": "yes",
+    "ipopt.warm_start_bound_push": 1e-8,
+    "ipopt.warm_start_bound_frac": 1e-8,
+    "ipopt.warm_start_slack_bound_push": 1e-8,
+    "ipopt.warm_start_slack_bound_frac": 1e-8,
+    "ipopt.warm_start_mult_bound_push": 1e-8,
+}
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
+SAME_NAME = (
+    "sin", "cos", "tan", "exp", "log", "sqrt", "sinh", "cosh", "tanh", "atan2", "sign",
+    "asin", "acos", "atan", "pi",
+)  # fmt: skip
 
 
 class MissingSolverError(PlannerError):
@@ -37,7 +56,7 @@ class MissingSolverError(PlannerError):
 
     def __init__(self) -> None:
         super().__init__(
-            "optimising needs CasADi with CASADI, which is not installed; "
+            "optimising needs CasADi with IPOPT, which is not installed; "
             f"{installing('optimise')}, or leave optimise at none"
         )
 
@@ -57,7 +76,7 @@ def casadi_function(
 ) -> Callable[[Expression], list[Expression]]:
     """SymPy expressions over a state as a function of CasADi's symbols of it."""
     ca = solver()
-    named = {name: getattr(ca, name) for name in CASADI["same_name"]} | {"Abs": ca.fabs}
+    named = {name: getattr(ca, name) for name in SAME_NAME} | {"Abs": ca.fabs}
     function = sp.lambdify(
         state, list(expressions), modules=[named], cse=True, dummify=True
     )
@@ -75,15 +94,15 @@ class Ipopt:
     ) -> None:
         self._given = program, options or {}
         self._watch = _watch()(program["x"].numel(), program["g"].numel())
-        quiet = CASADI["quiet"] | {"iteration_callback": self._watch}
-        self._solver = solver().nlpsol("plan", "ipopt", program, quiet | self._given[1])
+        settings = QUIET | {"iteration_callback": self._watch} | self._given[1]
+        self._solver = solver().nlpsol("plan", "ipopt", program, settings)
 
     def warm(self) -> Ipopt:
         """The same program, with its derivatives, to be solved from near a solution."""
         program, options = self._given
         names = {"grad_f": "nlp_grad_f", "jac_g": "nlp_jac_g", "hess_lag": "nlp_hess_l"}
         derived = {key: self._solver.get_function(n) for key, n in names.items()}
-        return Ipopt(program, options | CASADI["warm"] | derived)
+        return Ipopt(program, options | WARM | derived)
 
     def __call__(self, **values: Array) -> dict[str, Expression] | None:
         """The local optimum from a guess `x0` in bounds `lbx`, `ubx`, `lbg`, `ubg`.
@@ -120,7 +139,7 @@ def _noted() -> Iterator[list[int]]:
 
 @lru_cache(maxsize=1)
 def _watch() -> Callable[[int, int], Expression]:
-    """The class of the callback that CASADI calls at every iteration."""
+    """The class of the callback that IPOPT calls at every iteration."""
     ca = solver()
     given = [ca.nlpsol_out(i) for i in range(ca.nlpsol_n_out())]
 

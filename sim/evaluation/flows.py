@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Callable, Iterable
-from importlib.resources import files
 from math import pi
 from typing import Any, NamedTuple, get_args, get_type_hints
 
@@ -33,7 +31,6 @@ KINDS = get_type_hints(WalkedPhase) | {
     "as_planned": lambda text: bool(("0", "1").index(text))
 }
 COLUMNS = ("index", *WalkedPhase._fields)
-WORDS = tomllib.loads((files("sim.evaluation") / "phases.toml").read_text("utf-8"))
 LARGEST = 1e9  # number, and more segments than any walk has
 FARTHEST = 4 * pi  # [rad] that a joint of a leg moves in a phase
 

@@ -7,11 +7,9 @@ unseen where more than half of what was expected is left open.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from importlib.resources import files
 
 import numpy as np
 
@@ -38,13 +36,6 @@ class Parameter:
     step: float  # of finite differences
     low: float = -np.inf
     logarithm: bool = False  # whether the search, spread and step are about it
-
-
-def parameters_of(kind: str) -> tuple[Parameter, ...]:
-    """What `parameters.toml` lists of a kind."""
-    text = (files("sim.fitting") / "parameters.toml").read_text("utf-8")
-    listed = tomllib.loads(text)[kind].items()
-    return tuple(Parameter(name=name, **own) for name, own in listed)
 
 
 @dataclass(frozen=True, eq=False)

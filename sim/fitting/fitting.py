@@ -20,14 +20,21 @@ import numpy as np
 from models import Robot
 from planner import Array
 from sim.errors import SimulationError, UsageError
-from sim.fitting.estimate import Estimates, estimate, parameters_of, pooled, together
+from sim.fitting.estimate import Estimates, Parameter, estimate, pooled, together
 from sim.fitting.servo_law import Commanded, known_servos, on_floor, on_stand
 from sim.folder import require_free, whole
 from sim.logs.log import Log
 from sim.preparation.setup import Setup
 from sim.preparation.shared import built
 
-SERVO = parameters_of("servo")
+SERVO = (
+    Parameter(name="stiffness", unit="N m/rad", spread=1.0, step=0.02, logarithm=True),
+    Parameter(name="damping", unit="N m s/rad", spread=1.0, step=0.02, logarithm=True),
+    Parameter(name="dead band", unit="rad", spread=0.03, step=5e-4, low=0.0),
+    Parameter(name="backlash", unit="rad", spread=0.03, step=5e-4, low=0.0),
+    Parameter(name="zero", unit="rad", spread=0.05, step=1e-3),
+    Parameter(name="delay", unit="s", spread=0.05, step=1e-3, low=0.0),
+)
 MAKE = (0, 1, 3, 5)  # parameters of a make; dead band and zero are a servo's own
 LONGEST_DELAY = 0.3  # [s]; delay that is looked for
 APART = 0.01  # [s]; delays that are tried

@@ -10,7 +10,7 @@ from PIL import Image, ImageDraw
 
 from planner import Array
 from sim import palette
-from sim.evaluation.flows import WORDS, WalkedPhase
+from sim.evaluation.flows import WalkedPhase
 from sim.evaluation.quantities import ACHIEVED, OF_ROWS, OF_WALKS
 from sim.palette import Colour
 from sim.pictures.camera import HEIGHT, WIDTH, Camera
@@ -43,12 +43,22 @@ SCALE = 50  # height of the scale bar's panel [pixels]
 TICK = 5  # half the height of the scale bar's ends [pixels]
 VEIL = (0.6, 0.92), (0.92, 0.45)  # share of the width, share of paper over a picture
 HEADLINE, STEP, MARGIN = 48, 38, 150  # of cards: type, lines, left edge [pixels]
-FORESEEN = ("predicted.*.slip", "predicted.*.min_margin")
-RESULTS = ("path_length", "distance_walked", *FORESEEN)
+RESULTS = (
+    "path_length",
+    "distance_walked",
+    "predicted.*.slip",
+    "predicted.*.min_margin",
+)
 SLIPPING = [  # where feet slip farther than the path is long
     "This is normal. Slip is summed over all feet, while the body goes back and forth,",
     "and a foot that stands slides with every stroke, as its leg has but two joints.",
 ]
+VERBS = {  # of a group in the air, of one on the ground
+    "hold": ("wait{s} in the air", "stand{s}"),
+    "swing": ("swing{s} in the air", "swing{s} the body"),
+    "lift": ("lift{s}", "lift{s}"),
+    "land": ("land{s}", "land{s}"),
+}
 
 
 class Captions:
@@ -160,7 +170,7 @@ def describe(flow: WalkedPhase, groups: Sequence[str], legs_per_group: int) -> s
     doing: dict[str, list[str]] = {}
     for group in groups:
         rests = group not in flow.group or flow.kind == "hold"
-        verbs = WORDS["films"]["hold" if rests else flow.kind]
+        verbs = VERBS["hold" if rests else flow.kind]
         doing.setdefault(verbs[group in flow.stratum], []).append(group)
     clauses = []
     for verb, (*others, last) in doing.items():

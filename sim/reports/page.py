@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from planner import Array
-from sim.evaluation.flows import WORDS, WalkedPhase
+from sim.evaluation.flows import WalkedPhase
 from sim.folder import RunFolder
 from sim.pictures.clock import FRAME_RATE, clock
 from sim.progress import Progress, silent
@@ -29,6 +29,12 @@ from sim.templates import render
 NAME = "report.html"
 MOMENTS = 1500  # at most under the cursor
 DRAWINGS = 9  # at most, those of a walk among obstacles
+DOING = {
+    "hold": "standing still",
+    "lift": "group {} lifts off",
+    "swing": "group {} swings",
+    "land": "group {} touches down",
+}
 
 
 def write_report(run: Run, progress: Progress = silent) -> Path:
@@ -71,8 +77,7 @@ def _drawn(run: Run, progress: Progress) -> Iterator[Drawing]:
 
 def _moments(run: Run) -> dict[str, object]:
     """Poses, distances and margins at moments evenly spread, for the script."""
-    last, words = len(run.time) - 1, WORDS["reports"]
-    film = clock(run.time, run.settings.get("playback"))
+    last, film = len(run.time) - 1, clock(run.time, run.settings.get("playback"))
     rows = np.unique(np.linspace(0, last, min(MOMENTS, last + 1)).astype(int))
     return {
         "time": np.round(run.time[rows], 3).tolist(),
@@ -82,7 +87,8 @@ def _moments(run: Run) -> dict[str, object]:
         "margin": _finite(1e3 * run.margin[rows], 1),
         "phase": np.clip(run.phase[rows], 0, len(run.phases) - 1).tolist(),
         "phases": [
-            f"stratum {p.stratum}, {words[p.kind].format(p.group)}" for p in run.phases
+            f"stratum {p.stratum}, {DOING.get(p.kind, p.kind).format(p.group)}"
+            for p in run.phases
         ],
         "best": PREDICTIONS[run.best].label,
         "playback": film.playback,
