@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 LOOKS = tomllib.loads((files("sim") / "styles.toml").read_text("utf-8"))  # of figures
+STUDIES = tomllib.loads(Path(__file__).with_name("studies.toml").read_text())
 TABLE = re.compile(r"(?:^\|.*\n)+", re.MULTILINE)
 
 
