@@ -22,7 +22,7 @@ from matplotlib.figure import Figure
 
 from sim.figures import NAMES
 from sim.figures.physics import Job, Walked, Walks, begun, time_left
-from sim.figures.style import STYLE, sheet_of
+from sim.figures.style import COLOURS, STYLE, sheet_of
 from sim.folder import RunFolder, csv_text, whole
 from sim.palette import Style
 from sim.progress import Progress, silent
@@ -52,11 +52,18 @@ class Panel:
     title: str
     map: str = ""  # unit of a plan view
     axes: Style = field(default_factory=dict)  # labels, limits and aspect
+    fixed: Sequence[Sequence[Any]] = ()  # what never changes: method, arguments, look
     room: float = 0.0  # height for the key, in heights of the curves, from 0 on
     legend: Style | None = None  # of its own
 
     def finish(self, axes: Axes, title: str) -> None:
-        """Add to a drawing all that is not its content."""
+        """Add to a drawing what depends on no numbers; its colours are `COLOURS`."""
+        for method, *given, look in self.fixed:
+            named = {
+                key: COLOURS.get(value, value) if key.endswith("color") else value
+                for key, value in look.items()
+            }
+            getattr(axes, method)(*given, **named)
         if self.map:
             axes.set(xlabel=f"x [{self.map}]", ylabel=f"y [{self.map}]")
             axes.set_aspect("equal", adjustable="datalim")
