@@ -9,9 +9,11 @@ from __future__ import annotations
 import io
 import logging
 import re
-from collections.abc import Iterator
+import tomllib
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from importlib.resources import files
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -25,6 +27,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+WORDS = tomllib.loads((files("sim.reports") / "words.toml").read_text("utf-8"))
+NOTES: Mapping[str, str] = WORDS["notes"]
 PAGE_WIDTH = 7.2  # [in] of a drawing over the whole page
 LEFT, RIGHT = 0.085, 0.985  # of the width, between which the axes lie
 BINS = 500  # of a time axis; each keeps its extremes
