@@ -5,10 +5,8 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections import Counter
 from collections.abc import Iterator
-from importlib.resources import files
 
 import mujoco
 import numpy as np
@@ -18,11 +16,11 @@ from models.description.card import LegCard
 from models.description.compiled import joints_above, root_body
 from models.description.robot import Robot
 from models.errors import ModelError
-from planner.support import did_you_mean
+from planner.support import did_you_mean, shipped_tables
 
 FARTHEST = 1e6  # [m] from the origin or frame; beyond, numbers lose millimetres
 Problem = tuple[str, dict[str, object]]  # its sentence, and facts that are in it
-SAID = tomllib.loads((files("models") / "checks.toml").read_text("utf-8"))
+SAID = shipped_tables("models", "checks.toml")
 
 
 def _wrong(problem: str, path: object, /, **facts: object) -> ModelError:

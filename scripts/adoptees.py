@@ -7,13 +7,14 @@ Example:
 from __future__ import annotations
 
 import sys
-import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import cos, pi, sin
 from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+from planner.support import shipped_tables
 
 Hip = tuple[float, float, float]  # x, y [m] and bearing [rad] in units of the size
 
@@ -60,7 +61,7 @@ class Adoptee:
         return max(map(abs, x)), max(map(abs, y))
 
 
-FILE = tomllib.loads(Path(__file__).with_suffix(".toml").read_text())
+FILE = shipped_tables("scripts", "adoptees.toml")
 HIPS = {name: tuple(map(tuple, hips)) for name, hips in FILE["hips"].items()}
 HIPS |= {"radial 6": radial(6), "radial 8": radial(8), "parallel 6": parallel(6)}
 ADOPTEES = tuple(

@@ -9,16 +9,16 @@ from __future__ import annotations
 import random
 import re
 import tempfile
-import tomllib
 from collections.abc import Callable
 from functools import cache, partial
 from pathlib import Path
 
+from planner.support import shipped_tables
 from scripts.endings import ROOT
 
 PLAN_TIME = 0.5  # [s], so that no case takes long
 NUMBER = re.compile(r"-?\d+\.?\d*(?:e-?\d+)?")
-TEXTS = tomllib.loads((ROOT / "scripts" / "fuzz.toml").read_text())
+TEXTS = shipped_tables("scripts", "fuzz.toml")
 NASTY = (*TEXTS["nasty"], "9" * 400, "1" * 5000, "[" * 300, "\x00", "\udcff", "ö")
 
 

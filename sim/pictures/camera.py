@@ -6,15 +6,13 @@ On walks that are much longer than the robot, the camera stays close and follows
 from __future__ import annotations
 
 import math
-import tomllib
 from dataclasses import dataclass
-from importlib.resources import files
 from typing import ClassVar
 
 import numpy as np
 
 from planner import Array
-from planner.support import did_you_mean
+from planner.support import did_you_mean, shipped_tables
 from sim.errors import UsageError
 from sim.pictures.clock import FRAME_RATE, Clock
 from sim.runs.run import Run
@@ -46,7 +44,7 @@ class View:
     farthest: float = VIEW_DISTANCE  # distance, in units of the robot's reach
 
 
-FILM = tomllib.loads((files("sim.pictures") / "film.toml").read_text("utf-8"))
+FILM = shipped_tables("sim.pictures", "film.toml")
 VIEWS = {name: View(**view) for name, view in FILM["views"].items()}
 ACROSS = VIEWS["across"]
 

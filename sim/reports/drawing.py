@@ -9,17 +9,16 @@ from __future__ import annotations
 import io
 import logging
 import re
-import tomllib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from importlib.resources import files
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from planner import Array
+from planner.support import shipped_tables
 from sim import palette
 from sim.runs.run import Run
 
@@ -27,7 +26,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-WORDS = tomllib.loads((files("sim.reports") / "words.toml").read_text("utf-8"))
+WORDS = shipped_tables("sim.reports", "words.toml")
 NOTES: Mapping[str, str] = WORDS["notes"]
 PAGE_WIDTH = 7.2  # [in] of a drawing over the whole page
 LEFT, RIGHT = 0.085, 0.985  # of the width, between which the axes lie

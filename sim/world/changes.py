@@ -5,9 +5,7 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterator, Mapping, Sequence
-from importlib.resources import files
 from itertools import combinations
 
 import mujoco
@@ -15,6 +13,7 @@ import numpy as np
 
 from models import Robot
 from models.description import ON_JOINT
+from planner.support import shipped_tables
 from sim.scenarios.scenario import Scenario
 from sim.world.motors import added_rotors, undamped_joints
 from sim.world.servos import (
@@ -25,9 +24,7 @@ from sim.world.servos import (
     servo_settings,
 )
 
-SAID: Mapping[str, str] = tomllib.loads(
-    (files("sim.world") / "changes.toml").read_text("utf-8")
-)
+SAID: Mapping[str, str] = shipped_tables("sim.world", "changes.toml")
 
 
 def changes(robot: Robot, scenario: Scenario) -> Iterator[str]:
