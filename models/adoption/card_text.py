@@ -11,6 +11,7 @@ import numpy as np
 from models.adoption.anatomy import Limb, Pose
 from models.adoption.crawl import Crawl
 from models.adoption.groups import LEAST_LOAD, Reach, Stand, Swings
+from models.adoption.words import guess
 from models.description.card import Servo
 from models.description.table import toml_key, toml_text
 from planner import Array
@@ -57,10 +58,10 @@ def alternating(
             lines.append(f"swing = [{-reach.swing:.4g}, {reach.swing:.4g}]")
         legs = " ".join(str(i + 1) for i in stand.legs)
         turned = f"turned by up to {most:.0f} degrees to " if round(most) else ""
-        pivot = f"line up with the pivot ({x:z.3f}, {y:z.3f}) m"
-        guesses.append(f"group {name}, legs {legs}: {turned}{pivot}")
+        about = {"name": name, "legs": legs, "turned": turned}
+        guesses.append(guess("group", x=x, y=y, **about))
     if reach is not None:
-        guesses.append(f"groups swing {reach.swing:.2f} rad either way, {reach.reason}")
+        guesses.append(guess("swings", swing=reach.swing, reason=reach.reason))
     lines += ["", "[gait]", 'strata = ["12", "1", "12", "2", "12"]']
     pivots = tuple(stand.pivot for stand in pair)
     return GaitDraft(turns, tuple(lines), tuple(guesses), pivots, tuple(swings))
@@ -83,12 +84,7 @@ def rowing(limbs: Sequence[Limb], crawl: Crawl) -> GaitDraft:
         lines += ["", f"[pattern.{pattern}]", f'strata = ["{names}"]']
         lines.append(f"groups = {{ {', '.join(swings)} }}")
     most = np.rad2deg(np.abs(crawl.turns).max())
-    guesses = (
-        "no two groups of its legs can stand alone in turn: it rows on all of them "
-        "to go forward and to turn, and sets them back one at a time",
-        f"legs are turned by up to {most:.0f} degrees, so that each can be lifted "
-        f"while the others stand; strokes are up to {crawl.stroke:.2f} rad either way",
-    )
+    guesses = guess("rows"), guess("strokes", most=most, stroke=crawl.stroke)
     return GaitDraft(crawl.turns, tuple(lines), guesses)
 
 
