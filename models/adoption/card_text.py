@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from models.adoption.groups import LEAST_LOAD, Reach, Stand, Swings
 from models.adoption.words import guess
 from models.description.card import Servo
 from models.description.table import toml_key, toml_text
+from models.morphology.mjcf import template_of
 from planner import Array
 
 LIFT_TIME = 0.6  # [s]; a foot that bears little is shaken off by faster lifts
@@ -109,27 +111,14 @@ def card_text(
     servo: Servo | None,
 ) -> str:
     """Card of a robot that starts at angles [rad]; the servo is for joints without."""
-    lines = [
-        'description = "Drafted by stratawalk adopt."',
-        f"lift_angle = {drafted_lift(pose, limbs):.4g}",
-        f"lift_time = {LIFT_TIME:g}",
-        "",
-        "[start]  # joint angles at which the robot stands [rad]",
-        *(f"{toml_key(joint)} = {angle:.9g}" for joint, angle in angles.items()),
-    ]
-    for number, limb in enumerate(limbs, start=1):
-        hold = ", ".join(f"{toml_key(j)} = {pose.angle(j):.9g}" for j in limb.hold)
-        lines += [
-            "",
-            f"[leg.{number}]",
-            f"swing = {toml_text(limb.swing)}",
-            f"lift = {toml_text(limb.lift)}",
-            f"raise = {limb.up:g}",
-            f"foot = [{toml_text(limb.foot)}]",
-            f"hold = {{ {hold} }}" if hold else "hold = {}",
-        ]
-    lines += gait.lines
-    if servo is not None:
-        numbers = (f"{key} = {value:.4g}" for key, value in servo.settings.items())
-        lines += ["", "[servo]", *numbers]
-    return "\n".join([*lines, ""])
+    return template_of(Path(__file__).with_name("card.toml.jinja")).render(
+        lift_angle=drafted_lift(pose, limbs),
+        lift_time=LIFT_TIME,
+        angles=angles,
+        limbs=limbs,
+        pose=pose,
+        gait=gait,
+        servo=servo,
+        key=toml_key,
+        text=toml_text,
+    )
