@@ -47,12 +47,12 @@ def calibrate(options: argparse.Namespace) -> None:
     folder = RunFolder(ensure_folder(Path(options.out)))
     robot = _owned(robot, folder, options)
     if options.check:
-        told = _check(robot, kind, folder)
+        facts = _check(robot, kind, folder)
     else:
         _prepare(robot, kind, folder, options)
         with redirect_stdout(sys.stderr) if options.json else nullcontext():
-            told = _calibrated(robot, kind, folder, options)
-    cli.report(options, told, *(f"{name:13}{value}" for name, value in told.items()))
+            facts = _calibrated(robot, kind, folder, options)
+    cli.report(options, facts, *(f"{name:13}{value}" for name, value in facts.items()))
 
 
 def _kind(robot: Robot) -> ServoKind:
@@ -236,7 +236,7 @@ def _check(robot: Robot, kind: ServoKind, folder: RunFolder) -> Mapping[str, str
         remedy = f"find them first: {command('calibrate', robot.path)}"
         raise UsageError(what, "the robot's card", remedy)
     pulse = kind.signal == "pulse"
-    commands, told = strokes(robot, kind.command_rate)
+    commands, facts = strokes(robot, kind.command_rate)
     table = servo_table(card, card.joints, kind, pulse, rate=kind.command_rate)
     if pulse:
         name, title, how = "check.h", "Strokes to check", "a sketch inside plays it"
@@ -246,4 +246,4 @@ def _check(robot: Robot, kind: ServoKind, folder: RunFolder) -> Mapping[str, str
         numbers = ",".join(str(servo.channel) for servo in table.channels)
         how = f"play it with python {SCRIPT} MAKE PORT {name} {numbers}"
     folder.write_text(name, text)
-    return {"file": f"{folder.path / name}; {how}"} | told
+    return {"file": f"{folder.path / name}; {how}"} | facts

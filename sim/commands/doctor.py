@@ -145,10 +145,10 @@ def _report() -> str:
 
 def _packages() -> str:
     if differ := list(differences()):
-        said = ", ".join(what for _, what in differ[:SHOWN])
+        wrong = ", ".join(what for _, what in differ[:SHOWN])
         more = f", and {len(differ) - SHOWN} more" if differ[SHOWN:] else ""
         anew = " ".join(f"'{wanted}'" for wanted in dict(differ))
-        raise FilesError(said + more, "packages", f"{REINSTALL} --no-deps {anew}")
+        raise FilesError(wrong + more, "packages", f"{REINSTALL} --no-deps {anew}")
     return "versions as wanted, every file as it was installed"
 
 

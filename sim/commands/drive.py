@@ -181,7 +181,7 @@ class Link:
 
     def _since(self, moment: float) -> Iterator[list[float]]:
         """Poses that have come and are not older than a moment [s]."""
-        while told := self.poses.next(1e-3 if self.pace else REPLY):
-            when, pose = told
+        while reading := self.poses.next(1e-3 if self.pace else REPLY):
+            when, pose = reading
             if when >= moment:
                 yield pose

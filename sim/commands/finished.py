@@ -106,8 +106,8 @@ def cite(options: argparse.Namespace) -> None:
         with blamed_on(folder):
             run = read_run(folder)
             keys += _used(run)
-            said = str(run.summary.versions.get("stratawalk", made))
-            made = re.sub(r"[^\w.+-]", "", said)  # which ends no entry
+            release = str(run.summary.versions.get("stratawalk", made))
+            made = re.sub(r"[^\w.+-]", "", release)  # which ends no entry
     text = (files("sim.commands") / "references.bib").read_text("utf-8")
     entries = {
         re.findall(r"{(.*?),", part)[0]: f"@{part.strip()}"

@@ -39,32 +39,32 @@ def fit(options: argparse.Namespace) -> None:
         check_free(Path(options.out))
     setup, logs, walked = _sources(options)
     walking = walked is not None if options.walking is None else options.walking
-    told: dict[str, tuple[Value, Value]] = {}
+    fitted: dict[str, tuple[Value, Value]] = {}
     facts: dict[str, object] = {}
     parts: dict[str, object] = dict.fromkeys(("body", "servos", "written"))
     with bar(quiet=options.json) as progress:
         if all(log.measured is not None for log in logs):
             with stage(progress, "fitting servos"):
                 fit = fit_joints(setup, logs, walking)
-            told |= fit.settings(setup.robot.card.joints)
+            fitted |= fit.settings(setup.robot.card.joints)
             both = zip(fit.joints, fit.before.tolist(), fit.after.tolist(), strict=True)
             kept = {joint: {"before": b, "after": a} for joint, b, a in both if b == b}
             facts["servos"] = {"unseen": fit.make.unseen(), "held_out": kept}
             parts["servos"] = _of_servos(fit)
         if walked is not None:
-            delay, _ = told.get("command_delay", (0.0, 0.0))
+            delay, _ = fitted.get("command_delay", (0.0, 0.0))
             with stage(progress, "fitting what moves the body"):
                 body = fit_poses(replace(walked, times=walked.times - delay))
-            told = {**body.settings, **told}
+            fitted = {**body.settings, **fitted}
             missed = {"before": body.before, "after": body.after}
             found = {"unseen": body.found.unseen(), "held_out": missed}
             cells = zip(body.found.parameters, _cells(body.found, 0), strict=True)
             rows = [(p.name, cell, _unit(p)) for p, cell in cells]
             facts["body"], parts["body"] = found, found | {"rows": rows}
     if options.out is not None:
-        text = card_text(setup.robot, told, options.sources)
+        text = card_text(setup.robot, fitted, options.sources)
         parts["written"] = write_card(setup.robot, Path(options.out), text)
-    settings = {key: {"value": v, "error": e} for key, (v, e) in told.items()}
+    settings = {key: {"value": v, "error": e} for key, (v, e) in fitted.items()}
     cli.report(options, {"settings": settings} | facts, render("fit.txt", **parts))
 
 

@@ -66,15 +66,15 @@ def plan(options: argparse.Namespace) -> None:
         scenario = cli.scenario_of(options)
         robot = cli.robot_of(options, scenario.robot)
         with bar(quiet=options.json) as progress:
-            planned, told = _walk(scenario, robot, progress)
+            planned, shown = _walk(scenario, robot, progress)
     elif source.endswith(".json"):
         with refused(source):
             planned = load_plan(source)
-        told = of_system(Path(source).stem, planned)
+        shown = of_system(Path(source).stem, planned)
     else:
         with bar(quiet=options.json) as progress, refused(source):
-            planned, told = _system(options, progress)
-    facts, text = told
+            planned, shown = _system(options, progress)
+    facts, text = shown
     if options.save:
         with refused(options.save):
             save_plan(planned, options.save)

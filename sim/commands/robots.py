@@ -75,11 +75,11 @@ def adopt(options: argparse.Namespace) -> None:
         raise UsageError("already exists", str(error.filename), remedy) from error
     found, files = facts_of(setup), [str(path) for path in written]
     path, external = source.path, setup.robot.opened.external
-    told = {"written": files, "guesses": draft.guesses, "robot": found}
+    facts = {"written": files, "guesses": draft.guesses, "robot": found}
     trusted = ["--allow-external"] if external else []
     walk = command("run", "line", "--robot", path, *trusted)
-    text = render("adopted.txt", walk=walk, **told)
-    cli.report(options, told, render("robot.txt", **found), text)
+    text = render("adopted.txt", walk=walk, **facts)
+    cli.report(options, facts, render("robot.txt", **found), text)
 
 
 def _adopted(options: argparse.Namespace) -> tuple[Source, Draft, Setup, list[Path]]:

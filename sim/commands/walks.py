@@ -56,12 +56,12 @@ def run(options: argparse.Namespace) -> ExitCode:
     as_drawn = drawn(scenario, robot)
     ignored = {key: each.ignored(as_drawn) for key, each in PREDICTIONS.items()}
     words = who_ignores(ignored)
-    said = [f"predictions ignore {words}"] if words else []
+    hints = [f"predictions ignore {words}"] if words else []
     if options.tries is not None:
-        return tries_of(scenario, robot, options, said)
+        return tries_of(scenario, robot, options, hints)
     if robot.opened.files:
-        said += [f"{change}: {robot.path}" for change in changes(robot, as_drawn)]
-    return _walk(scenario, robot, look, options, said)
+        hints += [f"{change}: {robot.path}" for change in changes(robot, as_drawn)]
+    return _walk(scenario, robot, look, options, hints)
 
 
 def _walk(
@@ -69,12 +69,12 @@ def _walk(
     robot: Robot,
     look: str | None,
     options: argparse.Namespace,
-    said: Iterable[str],
+    hints: Iterable[str],
     log: Log | None = None,
 ) -> ExitCode:
     """Walk a scenario or a log into a folder, print how it went, and judge it.
 
-    What is `said` beforehand is noticed once there is a folder.
+    The hints are printed once there is a folder.
     """
     from sim.run_folder import run
 
@@ -87,7 +87,7 @@ def _walk(
         return cli.kept_in(folder.path, options.out)
 
     with keeping(kept):
-        for line in said:
+        for line in hints:
             cli.notice(line)
         try:
             with bar(quiet=options.json) as progress:
@@ -179,11 +179,11 @@ class Try:
 
 
 def tries_of(
-    scenario: Scenario, robot: Robot, options: argparse.Namespace, said: Iterable[str]
+    scenario: Scenario, robot: Robot, options: argparse.Namespace, hints: Iterable[str]
 ) -> ExitCode:
     """Walk draws one after another; the worst and the median are printed.
 
-    What is `said` beforehand is noticed once there is a folder.
+    The hints are printed once there is a folder.
     """
     folder = claim(cli.folder_of(options), scenario.name)
     draws = range(scenario.draw, scenario.draw + options.tries)
@@ -196,7 +196,7 @@ def tries_of(
         return f"{done} of {len(draws)} draws are kept in {table}; go on: {on}"
 
     with keeping(kept):
-        for line in said:
+        for line in hints:
             cli.notice(line)
         with bar(quiet=options.json) as progress:
             tries = walk_tries(scenario, robot, folder, draws, progress)

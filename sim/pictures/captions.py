@@ -86,12 +86,12 @@ def _results(walk: Run) -> list[str]:
         if q.key in CARDS["results"]
         and (value := q.value(summary, ACHIEVED)) is not None
     ]
-    said = head.removeprefix(summary.verdict).lstrip(": ")
+    end = head.removeprefix(summary.verdict).lstrip(": ")
     normal = summary.verdict == "arrived" and not walk.scenario.motion
     slips = normal and summary.achieved.slip > summary.path_length
     why = CARDS["slipping"] if slips else []
     title = f"{walk.scenario.name}: {summary.verdict}"
-    return [title, said, *further, "", *found, *why]
+    return [title, end, *further, "", *found, *why]
 
 
 def _card(lines: Sequence[str], behind: Array) -> Array:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgba
 
 from models.morphology.mjcf import COLOURS
 from sim import palette
@@ -106,6 +107,12 @@ def test_words_on_a_colour_are_written_in_the_ink_that_is_read_best(hue, strengt
     }
     assert inks[colour.ink] > 0.8 * max(inks.values())
     assert inks[colour.ink] > 3.9  # measured; white on the middle green had 2.6
+
+
+def test_a_colour_is_the_same_to_mujoco_and_to_matplotlib():
+    colour = palette.Colour(10, 100, 200)
+    assert colour.rgba() == pytest.approx(to_rgba(colour.hex))
+    assert colour.rgba(0.3) == pytest.approx(to_rgba(colour.hex, 0.3))
 
 
 def test_no_two_meanings_share_a_colour():

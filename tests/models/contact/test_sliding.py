@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from models.contact import sliding
 from models.contact.dissipation import (
     foot_jacobians,
     foot_velocities,
@@ -95,6 +96,16 @@ def test_rigid_legs_on_soft_ground_slide_with_least_dissipation(robot, world):
     known = least_dissipation_twist(stance.feet, rates, loads)
     # friction is smoothed below 1e-4 of the fastest rate; near a tie that shows tenfold
     assert twist == pytest.approx(known, abs=2e-3)
+
+
+def test_small_steps_of_the_smoothing_lead_where_leaps_do(robot, world, monkeypatch):
+    stance, rates = standing(robot, np.linspace(-0.3, 0.3, 3))
+    ground = Ground.of(robot, world)
+    known, loads = sliding_twist(stance, rates, ground)
+    monkeypatch.setattr(sliding, "_BALANCED", -1.0)  # so that no leap is trusted
+    twist, others = sliding_twist(stance, rates, ground)
+    assert twist == pytest.approx(known, abs=1e-8)
+    assert others == pytest.approx(loads, abs=1e-8)
 
 
 def test_twist_turns_round_with_the_swing(robot, world):

@@ -1,9 +1,12 @@
 """Single servos on a robot's card: read as they are said, refused where impossible."""
 
+from math import inf
+
 import pytest
 
 from models.description.card_file import parse_card
 from models.description.robot import FOLDER
+from models.description.servos import JointServo
 from models.errors import ModelError
 
 CARD = (FOLDER / "hexapod-classroom.toml").read_text()
@@ -45,6 +48,7 @@ def test_single_servos_alone_leave_the_joints_with_their_own():
         ("[servo.lift_1]\ncenter = -3", "center must not be negative"),
         ("[servo.lift_1]\ncounts_per_radian = 0", "counts_per_radian must be positive"),
         ("[servo.lift_1]\nlimits = [1, -1]", "the lowest and the highest angle"),
+        ("[servo.lift_1]\nlimits = [1, 1]", "the lowest and the highest angle"),
         ("[servo.lift_1]\nlimits = [1]", "the lowest and the highest angle"),
         ("[servo.lift_1]\nchanel = 1", "no key 'chanel'; did you mean 'channel'"),
     ],
@@ -58,3 +62,23 @@ def test_an_empty_table_of_servos_is_refused():
     text = CARD.replace('kind = "mg90"', "")
     with pytest.raises(ModelError, match=r"servo\.stiffness is missing"):
         parse_card(text, "here")
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"limits": (-inf, 1.0)},
+        {"limits": (0.0, inf)},
+        {"counts_per_radian": inf},
+        {"center": inf},
+        {"offset": inf},
+    ],
+)
+def test_what_is_endless_is_refused(given):
+    with pytest.raises(ValueError, match="inf"):
+        JointServo(**given)
+
+
+def test_the_first_channel_and_the_first_count_are_zero():
+    servo = JointServo(channel=0, center=0)
+    assert (servo.channel, servo.center) == (0, 0)

@@ -8,7 +8,7 @@ import pytest
 from planner.execution.execution import Execution
 from planner.extension.extended import extend
 from planner.extension.rectangles import weights
-from planner.lie.hall import hall_basis
+from planner.lie.hall import degree, hall_basis
 from planner.planning.algorithm import plan
 from planner.planning.paths import line
 from planner.planning.rollouts import rollout
@@ -106,3 +106,24 @@ def test_brackets_are_weighed_by_the_scales_of_their_generators():
     assert weights(hall_basis(2, 3), np.array([2.0, -3.0])).tolist() == [
         2, -3, -6, -12, 18,
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize("scale", [0.5, 3.0])
+def test_leading_errors_grow_with_the_next_degree_of_the_motion(scale):
+    """Of brackets of two, which grow as an area, they are the third power of a side."""
+    rectangles = extend(hexapod(**METRES), LIFTED).steering.rectangles
+    rng = np.random.default_rng(8)
+    degrees = np.array([degree(e) for e in rectangles.hall.elements])
+    own = rng.normal(size=(4, 3, len(degrees))) * (degrees == 2)  # areas alone
+    count = rectangles.fields.values(np.zeros((1, 5))).shape[-1] - len(degrees)
+    beyond = rng.normal(size=(4, 3, count))
+    h = rng.normal(size=(4, len(degrees)))
+    errors = rectangles._errors(h, own, beyond)
+    assert errors.min() > 0
+    larger = rectangles._errors(scale**2 * h, own, beyond)
+    assert larger == pytest.approx(scale**3 / scale**2 * errors)
+    # of a motion by a generator, of which a side is a length, the second power
+    own = rng.normal(size=(4, 3, len(degrees))) * (degrees == 1)
+    errors = rectangles._errors(h, own, beyond)
+    larger = rectangles._errors(scale**2 * h, own, beyond)
+    assert larger == pytest.approx(scale**3 / scale * errors)

@@ -3,7 +3,13 @@
 import numpy as np
 import pytest
 
-from planner.optimisation.corridor import Tolerance, deviation, gaps
+from planner.optimisation.corridor import (
+    Tolerance,
+    _frechet,
+    _reachable,
+    deviation,
+    gaps,
+)
 
 POSITION, YAW = (0, 1), (2,)
 
@@ -67,3 +73,32 @@ def test_yaw_is_compared_at_the_nearest_point():
 def test_tolerances_are_above_zero(most):
     with pytest.raises(ValueError, match="tolerance is"):
         Tolerance((0,), most)
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (1, 5), (6, 1), (4, 7), (7, 4)])
+def test_the_frechet_distance_is_the_least_of_all_couplings(shape):
+    """Both go on by a point at a time, one of them or both; it is their largest gap."""
+    apart = np.random.default_rng(5).uniform(size=shape)
+
+    def least(i, j):
+        if i < 0 or j < 0:
+            return np.inf
+        ways = [least(i - 1, j), least(i, j - 1), least(i - 1, j - 1)]
+        return max(apart[i, j], min(ways) if i or j else 0.0)
+
+    rows, columns = shape
+    most = least(rows - 1, columns - 1)
+    assert _frechet(apart) == most
+    assert _reachable(apart, most)[-1, -1]
+    assert not _reachable(apart, most * (1 - 1e-3))[-1, -1]
+
+
+def test_a_companion_is_reached_where_the_way_to_it_is_short_enough():
+    apart = np.random.default_rng(6).uniform(size=(6, 7))
+    for most in (0.5, 0.7, 0.9):
+        expected = np.zeros(apart.shape, dtype=bool)
+        for i, j in np.ndindex(apart.shape):
+            before = [(i - 1, j), (i, j - 1), (i - 1, j - 1)]
+            inside = [expected[at] for at in before if min(at) >= 0]
+            expected[i, j] = apart[i, j] <= most and (any(inside) or i == j == 0)
+        assert _reachable(apart, most).tolist() == expected.tolist()

@@ -1,5 +1,7 @@
 """Chained forms: found or declared, exact at every distance."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import sympy as sp
@@ -208,3 +210,16 @@ def test_rates_that_are_not_declared_are_derived_in_short(number):
     last = problem.system.state[2 + number]
     assert form.coordinates[-2].equals(sp.tan(last))
     assert sum(map(sp.count_ops, form.coordinates)) < 20_000  # measured: 12,000
+
+
+def test_a_way_in_takes_half_as_long_at_twice_the_speed(one):
+    """Its steps are angles of the headings, not times."""
+    x, system = np.array([0.0, 0.0, 0.3, 3.2, 0.0]), one.plane.system
+    fields = dict(system.fields)
+    fields[one.plane.drive] = 2 * fields[one.plane.drive]
+    quick = replace(one.plane, system=replace(system, strata={system.bottom: fields}))
+    (slow, end), (fast, same_end) = one.plane.way_in(x), quick.way_in(x)
+    scales = [2 if flow.field == one.plane.drive else 1 for flow in fast]
+    durations = [flow.duration * k for flow, k in zip(fast, scales, strict=True)]
+    assert durations == pytest.approx([flow.duration for flow in slow])
+    assert same_end == pytest.approx(end)

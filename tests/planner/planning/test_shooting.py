@@ -85,6 +85,12 @@ def test_goal_already_met_needs_no_shot(paper):
     assert steered.distances == (0.0,)
 
 
+def test_a_goal_within_the_tolerance_needs_no_shot_either(paper):
+    steered = steer(paper, AT_REST, [1e-10, 0, 0, 0, 0], BACKWARD)
+    assert steered.plan.flows == ()
+    assert steered.distances == pytest.approx((1e-10,))
+
+
 def test_shots_that_run_out_are_refused(paper):
     with pytest.raises(ConvergenceError, match=r"2 shots end 0\.00014.* from the goal"):
         steer(paper, AT_REST, [1, 1, 0, 0, 0], BACKWARD, max_shots=2)

@@ -16,6 +16,6 @@ def test_throughput_is_measured_against_a_bare_batch():
 
 @pytest.mark.physics
 def test_the_books_of_many_points_become_their_table(tmp_path, monkeypatch):
-    monkeypatch.setattr(sweep_speed, "MANY", 3)
+    monkeypatch.setattr(sweep_speed, "LEDGER", 3)
     sweep_speed.keep_books(str(tmp_path))
     assert (tmp_path / "table.parquet").exists()

@@ -199,7 +199,7 @@ def test_whatever_is_sent_for_a_pose_is_refused_in_one_line(line):
 
 
 def test_poses_that_nobody_asks_for_take_no_more_memory(monkeypatch):
-    monkeypatch.setattr("sim.commands.drive.MOST", 3)
+    monkeypatch.setattr("sim.commands.drive.MOST_WAITING", 3)
     lines = "".join(f'{{"time": {second}}}\n' for second in range(9))
     poses = Poses(io.StringIO(lines))
     time.sleep(0.2)

@@ -31,6 +31,8 @@ def test_a_divergence_leaves_what_led_to_it_and_says_how_to_see_it_again(
     states = [np.load(tmp_path / name / "divergence.npz") for name in ("here", "again")]
     assert 0 < len(states[0]["time"]) <= 100
     assert len(states[0]["qpos"]) == len(states[0]["qvel"]) == len(states[0]["time"])
+    steps = 1 + np.arange(len(states[0]["time"]))  # all of them, since there are few
+    assert states[0]["time"] == pytest.approx(0.01 * steps)
     for name in ("time", "qpos", "qvel"):
         assert np.array_equal(states[0][name], states[1][name])
 

@@ -60,3 +60,16 @@ def test_a_field_reaches_to_the_last_place_that_agrees(monkeypatch, agrees, reac
         identification, "_shares", lambda setup, field, ways, *rest: ways > agrees
     )
     assert confirmed(SETUP, "a", FIELD).reach == pytest.approx(reach, abs=1e-12)
+
+
+def test_a_stroke_that_goes_a_tenth_farther_misses_by_a_tenth():
+    """By less where the stroke is short: of little motion any miss is a large share."""
+    forward, nothing = Polynomial([0.1]), Polynomial([0.0])
+    field = MeasuredField("1", (1.0,), 0.1, (forward, nothing, nothing), 0.0)
+    setup = SimpleNamespace(kinematics=SimpleNamespace(reach=0.1))
+    ways, way = np.linspace(0.0, 0.3, 61), np.array([-0.3, 0.3])
+    pose = np.stack([0.11 * way, 0 * way, 0 * way], axis=1)
+    shares = identification._shares(setup, field, ways, way, pose)
+    long = ways > 0.0499  # half of the span
+    assert shares[long] == pytest.approx(0.1)
+    assert (shares[~long] < 0.0999).all()

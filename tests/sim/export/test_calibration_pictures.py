@@ -69,5 +69,15 @@ def test_the_sheet_has_its_size_and_a_ring_of_a_degree_for_each_foot(tmp_path):
     edge = 4 * calibration.SHEET_EDGE  # two on every side
     size = np.array(millimetres, dtype=float) / 1e3
     assert size == pytest.approx(np.ptp(feet, axis=0) + edge, abs=1e-6)  # as written
-    assert text.count("leg ") >= 6
+    number = r"(-?[\d.]+)"
+    line = f'class="leg" d="M {number} {number} L {number} {number}"'
+    legs = np.array(re.findall(line, text), dtype=float)  # from hip to foot [mm]
+    lengths = np.hypot(*(legs[:, 2:] - legs[:, :2]).T)
+    hips = [Kinematics(robot).hinge(leg.swing)[1][:2] for leg in robot.leg_cards]
+    assert lengths == pytest.approx(1e3 * np.hypot(*(feet - hips).T), abs=2e-3)
+    arcs = re.findall(f"a {number} {number} 0 1 0 {number} 0 a", text)
+    radii = np.radians(1) * lengths
+    assert np.array(arcs, dtype=float) == pytest.approx(
+        np.stack([radii, radii, 2 * radii], axis=1), abs=2e-3
+    )
     assert (np.sort(size) < [0.297, 0.420]).all()  # A3, as docs/first-robot.md says

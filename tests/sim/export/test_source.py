@@ -12,7 +12,7 @@ from models.library import load
 from sim.errors import UsageError
 from sim.export.header import identifier, read_header, write_header
 from sim.export.servo_commands import ServoCommands
-from sim.export.servo_table import servo_table
+from sim.export.servo_table import Channel, ServoTable, servo_table
 from sim.export.source import (
     read_table,
     read_trajectory,
@@ -179,3 +179,20 @@ def test_frames_come_as_often_as_commands_and_counts_are_parts_of_a_frame(comman
 
 def test_a_rate_that_no_pulses_have_leaves_those_of_the_make(commands):
     assert servo_table(CARD, JOINTS, MG90, True, rate=2000.0).frame_rate == 60
+
+
+@pytest.mark.parametrize(("unit", "longest"), [("counts", 4095), ("pulses", 19_999)])
+def test_a_pulse_is_at_least_nothing_and_shorter_than_its_frame(unit, longest):
+    """A frame is 4096 counts, or at 50 pulses a second 20,000 microseconds, long."""
+    servo = Channel("a", 0, 1.0, 0.0, 0.0, 4096.0, low=-9.0, high=9.0)
+    servos = ServoTable((servo,), 4095, frame_rate=50.0)
+    servos = servos.in_microseconds() if unit == "pulses" else servos
+
+    def counts(part):
+        angles = np.array([[part / (longest + 1)]])
+        return servos.counts(ServoCommands(("a",), 50.0, angles)).item()
+
+    assert (counts(0), counts(longest)) == (0, longest)
+    for beyond in (-1, longest + 1):
+        with pytest.raises(UsageError):
+            counts(beyond)

@@ -3,6 +3,7 @@
 import json
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from sim.evaluation.quantities import describe
 from sim.logs import feet
 from sim.logs.feet import posture
 from sim.logs.log import Log, of_function, read_log, written
-from sim.logs.playing import Motion, posed, scenario_of
+from sim.logs.playing import SHORTEST_CONTACT, Motion, posed, scenario_of
 from sim.motion.schedule import MotionLimits
 from sim.palette import PREDICTED
 from sim.pictures.legend import entries
@@ -159,6 +160,24 @@ def test_a_short_contact_is_no_planned_one(log):
     assert not Motion(early, robot, limits).contact[:, 1].all()
     contact = Motion(early, robot, limits).contact[:, 1]
     assert np.count_nonzero(np.diff(contact)) == 2
+
+
+@pytest.mark.parametrize(
+    ("found", "planned"),
+    [
+        ("#.###...", "#####..."),  # an interruption, right after the first moment
+        ("##.###..", "######.."),
+        ("...#..##", "......##"),  # a contact
+        ("##..####", "##..####"),  # it lasts for as long as one must
+        (".######.", ".######."),  # how long it was or will be so, nobody knows
+    ],
+)
+def test_what_lasts_too_short_is_planned_as_what_was_before(log, found, planned):
+    motion = Motion(log, None, None)
+    standing = np.array([[sign == "#", True] for sign in found])
+    given = SimpleNamespace(standing=standing, height=np.ones(2), near=np.zeros((8, 2)))
+    vars(motion).update(posture=given, time=np.arange(8) * SHORTEST_CONTACT / 2)
+    assert "".join(np.where(motion.contact[:, 0], "#", ".")) == planned
 
 
 def test_a_foot_that_plunges_for_a_moment_leaves_another_to_stand_on(log):

@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
-from sim.motion.poses import nearest_turn, pose_of, seen_from, wrap
+from sim.motion.poses import lean_of, nearest_turn, pose_of, seen_from, wrap
 
 
 def test_angles_are_wrapped_to_minus_pi_excluded_pi_included():
@@ -16,6 +17,17 @@ def test_angles_are_wrapped_to_minus_pi_excluded_pi_included():
 def test_yaw_is_read_from_the_quaternion_of_the_free_joint():
     qpos = np.array([0.1, 0.2, 0.3, np.cos(0.4), 0.0, 0.0, np.sin(0.4), 9.0])
     assert pose_of(qpos, 0) == pytest.approx([0.1, 0.2, 0.8])
+
+
+def test_a_body_that_is_turned_pitched_and_rolled_has_that_yaw_and_lean():
+    rng = np.random.default_rng(2)
+    yaw, pitch, roll = rng.uniform(-1.5, 1.5, (3, 20))
+    turned = Rotation.from_euler("ZYX", np.stack([yaw, pitch, roll], axis=1))
+    qpos = rng.normal(size=(20, 11))
+    qpos[:, 5:9] = turned.as_quat(scalar_first=True)
+    assert lean_of(qpos, 2) == pytest.approx(np.stack([roll, pitch], axis=1))
+    found = np.stack([pose_of(each, 2) for each in qpos])
+    assert found == pytest.approx(np.stack([qpos[:, 2], qpos[:, 3], yaw], axis=1))
 
 
 def test_a_pose_seen_from_itself_is_the_origin():

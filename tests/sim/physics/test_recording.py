@@ -111,3 +111,17 @@ def test_a_foot_keeps_the_point_it_last_touched_from_piece_to_piece(cuts):
         pass
     kept = recorder.finish().moments.point[:, :, 0]
     assert kept[-6:].tolist() == [[5, 50]] * 6
+
+
+def test_steps_are_counted_in_which_an_actuator_gave_all_its_force():
+    """At either end of its range; one without a limit has none."""
+    ranges = np.array([[-1.0, 2.0], [-1.0, 2.0], [-1.0, 2.0]])
+    limits = {
+        "actuator_forcelimited": np.array([1, 1, 0]),
+        "actuator_forcerange": ranges,
+    }
+    recorder = SimpleNamespace(engine=SimpleNamespace(model=SimpleNamespace(**limits)))
+    force = np.array(
+        [[2.0, 1.99, 2.0], [-1.0, 0.0, -1.0], [2.0, 2.0, 2.0], [1.0, 1.0, 0]]
+    )
+    assert Recorder._at_limit(recorder, force).tolist() == [3, 1, 0]

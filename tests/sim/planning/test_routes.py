@@ -2,6 +2,7 @@
 
 import dataclasses
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -107,6 +108,21 @@ def test_a_goal_inside_an_obstacle_is_refused_with_what_is_in_the_way():
     )
     with pytest.raises(BoundError, match=message):
         routed(shut({"kind": "box", "center": [0.9, 0.0], "size": [0.2, 0.2]}))
+
+
+@pytest.mark.parametrize("clearance", [0.009, 0.01])
+def test_no_more_room_than_is_required_does_not_do(clearance):
+    """Of two postures of the legs, it is the one with less room that counts."""
+    around = SimpleNamespace(
+        postures=lambda poses, up: np.full((1, 1), up),
+        clearances=lambda qpos: SimpleNamespace(least=qpos[:, 0]),
+        nearest=lambda qpos: ("leg 1", "wall"),
+    )
+    route._require_room(around, "goal", (0, 0, 0), [0.02, np.nextafter(0.01, 1)], 0.01)
+    with pytest.raises(
+        BoundError, match="leg 1 .* from obstacle wall, where more than"
+    ):
+        route._require_room(around, "goal", (0, 0, 0), [0.02, clearance], 0.01)
 
 
 def test_a_gap_that_leaves_little_room_is_taken_where_nothing_else_is_open(monkeypatch):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from planner.errors import BoundError, BudgetError
+from planner.planning.rollouts import play
 from planner.support.stopping import limited
 from sim.errors import UsageError
 from sim.motion.poses import path_deviation
@@ -15,7 +16,7 @@ from sim.optimisation.judging import Judge, margins
 from sim.planning.open_loop import plan_open_loop
 from sim.planning.soundness import require_sound
 from sim.preparation.setup import prepare
-from sim.problems.scenario import ScenarioProblem
+from sim.problems.scenario import LEAST_POSITION, LEAST_YAW, ScenarioProblem
 from sim.scenarios.file import load_scenario
 
 SHORT = {
@@ -77,6 +78,22 @@ def test_it_stays_within_the_tolerance(setup, found):
 def test_segments_stay_those_of_the_scenario(setup, found):
     assert len(found.segment_ends) == 6
     assert found.start.shape == found.goal.shape
+
+
+def test_where_no_tolerance_is_given_the_stratified_plan_s_deviation_is_allowed():
+    free = ScenarioProblem(setup_of(path_tolerance=None, yaw_tolerance=None))
+    planned = plan_open_loop(free.setup)
+    poses = play(planned.system, planned.flows, planned.start, 50)[:, :3]
+    own = path_deviation(free.setup.scenario.path.curve, poses)
+    assert own.position > LEAST_POSITION
+    assert own.yaw > LEAST_YAW
+    assert free.within == pytest.approx((own.position, own.yaw), rel=0.02)  # sampling
+
+
+def test_where_there_is_no_stratified_plan_the_least_tolerance_stands(monkeypatch):
+    monkeypatch.setattr(ScenarioProblem, "_own_deviation", None)
+    free = ScenarioProblem(setup_of(path_tolerance=None, yaw_tolerance=None))
+    assert free.within == (LEAST_POSITION, LEAST_YAW)
 
 
 def test_a_plan_beside_the_goal_ends_there(setup, walk):

@@ -8,7 +8,7 @@ import pytest
 
 from models import shipped_system
 from planner import rollout
-from planner.optimisation import deviation
+from planner.optimisation import CHEAP, deviation
 from sim import cli
 from sim.errors import UsageError
 from sim.problems.system import FLOW_SAMPLES, SystemProblem
@@ -64,6 +64,17 @@ def test_legs_are_free_by_themselves():
     assert np.isfinite(held[2,])
     freed = problem("biped", free=("theta",))._tolerances()
     assert {t.coordinates: t.most for t in freed}[2,] == np.inf
+
+
+def test_only_legs_in_the_air_swing_cheaply_and_only_where_strokes_count():
+    given = shipped_system("paper-hexapod")
+    price = SystemProblem(given, objective="strokes", free=())._task.price
+    assert {name for name, cost in price.items() if cost == CHEAP} == {"g1_2", "g2_1"}
+    assert {name for name, cost in price.items() if cost == 1.0} >= {"g12_1", "g12_2"}
+    times = SystemProblem(given, objective="time", free=())._task.price
+    assert set(times.values()) == {1.0}
+    car = SystemProblem(shipped_system("car"), objective="strokes", free=())
+    assert set(car._task.price.values()) == {1.0}  # its wheels stay on the floor
 
 
 def test_an_unknown_coordinate_cannot_be_freed():

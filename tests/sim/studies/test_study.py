@@ -181,6 +181,9 @@ def test_a_folder_of_runs_is_told_which_two_can_be_compared(tmp_path):
         read_results(tmp_path, "ideal")
     two = f"{tmp_path / 'a'} {tmp_path / 'b'}"
     assert refusal.value.remedy == f"runs are compared: stratawalk compare {two}"
+    (tmp_path / "b" / "summary.json").unlink()  # a single one is compared with nothing
+    with pytest.raises(UsageError, match="no such table.*; make one: stratawalk sweep"):
+        read_results(tmp_path, "ideal")
 
 
 def test_a_prediction_that_was_left_out_is_refused_with_those_that_were_made(folder):

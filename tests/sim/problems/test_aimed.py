@@ -1,0 +1,81 @@
+"""Optimised plans are aimed beside the goal until they are foreseen to end at it.
+
+The optimiser and the compliant prediction take seconds; here a plan is where it was
+aimed at, and what is foreseen of it a function of that.
+"""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from planner.errors import ConvergenceError, RangeError
+from sim.preparation.setup import prepare
+from sim.problems.problem import Problem
+from sim.problems.scenario import AIMS, HIT, ScenarioProblem
+from sim.scenarios.file import load_scenario
+
+GOAL = np.array([0.03, 0.03, 3.1])
+WRONG = np.array([1e-3, -2e-3, 0.1])  # by which a plan misses that is not aimed beside
+
+
+@pytest.fixture(scope="module")
+def setup():
+    given = {"path.goal": GOAL.tolist(), "optimise": "time", "steer": "compliant"}
+    return prepare(load_scenario("line", given | {"segments": 2}))
+
+
+@pytest.fixture
+def aimed(setup, monkeypatch):
+    """Solve it, where the end follows the offset by a factor; gives offsets tried."""
+    problem, tried = ScenarioProblem(setup), []
+
+    def solve(factor, reached=np.inf):
+        def plan(beside):
+            if np.abs(beside.setup.goal_offset).max() > reached:
+                raise RangeError("too far", 0.7, -0.5, 0.5)
+            tried.append(beside.setup.goal_offset)
+            return SimpleNamespace(plan=np.array(beside.setup.goal_offset))
+
+        def end(setup, plan):
+            far = problem.path(1.0)[:3] + WRONG + factor * plan
+            far[2] = (far[2] + np.pi) % (2 * np.pi) - np.pi  # as poses are told
+            return far
+
+        monkeypatch.setattr(Problem, "solve", plan)
+        vars(problem)["_ahead"] = SimpleNamespace(end=end)
+        return problem.solve().plan, tried
+
+    return solve
+
+
+def test_it_is_aimed_again_by_what_the_last_plan_is_foreseen_to_miss(aimed):
+    found, tried = aimed(0.9)
+    assert len(tried) == AIMS
+    for k, (offset, after) in enumerate(zip(tried, tried[1:], strict=False)):
+        assert np.subtract(offset, after) == pytest.approx(0.1**k * WRONG)
+    assert np.abs(WRONG + 0.9 * found).max() == pytest.approx(1e-4)  # 0.1 to the third
+
+
+def test_it_is_aimed_no_further_once_it_hits(aimed):
+    found, tried = aimed(1.0)
+    assert len(tried) == 2
+    assert np.abs(WRONG + found).max() < HIT
+
+
+def test_of_plans_that_miss_ever_more_the_first_is_taken(aimed):
+    found, tried = aimed(3.0)
+    assert len(tried) == AIMS
+    assert found.tolist() == [0.0, 0.0, 0.0]
+
+
+def test_where_legs_do_not_reach_beside_the_goal_the_least_miss_is_told(aimed):
+    with pytest.raises(
+        ConvergenceError, match="the plan still misses its end by 100 mm"
+    ):
+        aimed(0.9, 1e-3)
+
+
+def test_where_legs_do_not_reach_the_goal_either_it_is_said(aimed):
+    with pytest.raises(RangeError, match="too far"):
+        aimed(0.9, -1.0)
