@@ -1,4 +1,7 @@
-"""Checks that a model and its card describe a robot that can walk."""
+"""Checks that a model and its card describe a robot that can walk.
+
+`checks.toml` has the sentences.
+"""
 
 from __future__ import annotations
 
@@ -13,26 +16,30 @@ from models.description.card import LegCard
 from models.description.compiled import joints_above, root_body
 from models.description.robot import Robot
 from models.errors import ModelError
-from planner.support import did_you_mean
+from planner.support import did_you_mean, shipped_tables
 
 FARTHEST = 1e6  # [m] from the origin or frame; beyond, numbers lose millimetres
+Problem = tuple[str, dict[str, object]]  # its sentence, and facts that are in it
+SAID = shipped_tables("models", "checks.toml")
+
+
+def _wrong(problem: str, path: object, /, **facts: object) -> ModelError:
+    """The refusal of a robot's file for a problem."""
+    return ModelError(str(SAID[problem]).format(path=path, **facts))
 
 
 def check_parts(robot: Robot) -> None:
     """Refuse a card whose legs do not match the model."""
     model = robot.model
     if not model.body(root_body(model, robot.path)).name:
-        raise ModelError(f"the free body has no name: {robot.path}; give it one")
+        raise _wrong("unnamed", robot.path)
     _check_names(robot)
     if (farthest := np.abs(robot.start_qpos).max()) > FARTHEST:
-        raise ModelError(
-            f"it starts {farthest:.3g} m or rad away: {robot.path}; correct keyframe "
-            "'start', or where its body is"
-        )
+        raise _wrong("far_start", robot.path, farthest=farthest)
     check_places(model, str(robot.path))
     for number, leg in robot.card.legs.items():
-        for problem in _part_problems(model, leg):
-            raise ModelError(f"leg {number}: {robot.path}; {problem}")
+        for problem, facts in _part_problems(model, leg):
+            raise _wrong(problem, robot.path, leg=number, **facts)
 
 
 def check_places(model: mujoco.MjModel, source: str) -> None:
@@ -41,10 +48,7 @@ def check_places(model: mujoco.MjModel, source: str) -> None:
         away = np.abs(places).max(axis=1)
         if away.max(initial=0.0) > FARTHEST:
             name = getattr(model, kind)(int(away.argmax())).name
-            raise ModelError(
-                f"{kind} {name!r} is {away.max():.3g} m away from its frame: {source}; "
-                "correct its pos"
-            )
+            raise _wrong("far_part", source, kind=kind, name=name, away=away.max())
 
 
 def _check_names(robot: Robot) -> None:
@@ -65,44 +69,32 @@ def _check_names(robot: Robot) -> None:
     if missing := [part for part in every if part[1] not in known[part[0]]]:
         lacks = ", ".join(f"{kind} {name!r}" for kind, name in missing)
         kind, name = missing[0]
-        raise ModelError(
-            f"the card names what the model lacks: {robot.path}; {lacks}; "
-            f"{did_you_mean(name, sorted(known[kind]))}"
-        )
+        similar = did_you_mean(name, sorted(known[kind]))
+        raise _wrong("lacking", robot.path, lacks=lacks, similar=similar)
     (kind, name), times = Counter(named).most_common(1)[0]
     if times > 1:
-        raise ModelError(
-            f"{kind} {name!r} is named twice: {robot.path}; every {kind} belongs to "
-            "one leg, and there to one task"
-        )
+        raise _wrong("twice", robot.path, kind=kind, name=name)
 
 
-def _part_problems(model: mujoco.MjModel, leg: LegCard) -> Iterator[str]:
+def _part_problems(model: mujoco.MjModel, leg: LegCard) -> Iterator[Problem]:
     """What is wrong with a leg whose parts exist, and what to do about it."""
     hinge = mujoco.mjtJoint.mjJNT_HINGE
     for joint in leg.joints:
         if model.joint(joint).type != hinge:
-            yield f"joint {joint!r} is not a hinge; legs swing, lift and hold by hinges"
+            yield "no_hinge", {"joint": joint}
     for joint, angle in leg.hold.items():
         low, high = model.joint(joint).range
         if model.jnt_limited[model.joint(joint).id] and not low <= angle <= high:
-            yield (
-                f"joint {joint!r} is to be held at {angle} rad, outside its range; "
-                f"hold it between {low:.4g} and {high:.4g}"
-            )
+            span = {"low": low, "high": high}
+            yield "held_outside", {"joint": joint, "angle": angle, **span}
     for foot in leg.foot:
         above = joints_above(model, int(model.geom_bodyid[model.geom(foot).id]))
         names = [model.joint(joint).name for joint in above]
         if still := [joint for joint in leg.joints if joint not in names]:
-            yield (
-                f"foot {foot!r} does not move with joint {still[0]!r}; "
-                f"it moves with {', '.join(map(repr, names)) or 'none'}"
-            )
+            others = ", ".join(map(repr, names)) or "none"
+            yield "still", {"foot": foot, "joint": still[0], "others": others}
         if loose := [name for name in names if name not in leg.joints]:
-            yield (
-                f"foot {foot!r} moves with joint {loose[0]!r}, which the card leaves "
-                f"loose; hold it: hold = {{ {loose[0]} = 0.0 }}"
-            )
+            yield "loose", {"foot": foot, "joint": loose[0]}
 
 
 STEEP = np.deg2rad(20)  # largest angle between a swing axis and the vertical
@@ -115,12 +107,12 @@ def check_posture(robot: Robot) -> None:
     """Refuse a robot that does not start on its feet, or cannot lift or swing them."""
     kinematics = Kinematics(robot)
     for problems in (_badly_standing, _cannot_swing, _cannot_lift):  # gravest first
-        for problem, remedy in problems(kinematics):
-            raise ModelError(f"{problem}: {robot.path}; {remedy}")
+        for problem, facts in problems(kinematics):
+            raise _wrong(problem, robot.path, **facts)
 
 
-def _badly_standing(kinematics: Kinematics) -> Iterator[tuple[str, str]]:
-    """Problems of the start, each with its remedy."""
+def _badly_standing(kinematics: Kinematics) -> Iterator[Problem]:
+    """Problems of the start."""
     robot = kinematics.robot
     place = robot.root_address_in(robot.model)
     quat = robot.start_qpos[place + 3 : place + 7]
@@ -129,77 +121,46 @@ def _badly_standing(kinematics: Kinematics) -> Iterator[tuple[str, str]]:
     tilt = float(np.arccos(np.clip(up[2], -1, 1)))
     if tilt > UPRIGHT:
         down = "upside down" if tilt > np.pi / 2 else "tilted"
-        yield (
-            f"the robot starts {down}: the z axis of body {robot.root!r} is "
-            f"{np.rad2deg(tilt):.3g} degrees off the vertical",
-            "turn that body upright, where it is defined or in keyframe 'start'",
-        )
+        yield "tilted", {"down": down, "root": robot.root, "tilt": np.rad2deg(tilt)}
     for joint in robot.card.joints:
         (low, high), angle = robot.span(joint), robot.standing_angle(joint)
         if not low - BEYOND <= angle <= high + BEYOND:
-            yield (
-                f"joint {joint!r} starts at {angle:.4g} rad, outside the range of "
-                f"it and its servos, {low:.4g} to {high:.4g}",
-                "start inside it: correct keyframe 'start', or [start] in the card",
-            )
+            span = {"low": low, "high": high}
+            yield "outside", {"joint": joint, "angle": angle, **span}
     feet, height = kinematics.standing.feet, kinematics.standing.height
     highest, lowest = int(height.argmax()), int(height.argmin())
     above = height[highest] - float(kinematics.center_of_mass[2])
     if above >= 0:
-        yield (
-            f"it does not start on its feet: that of leg {robot.legs[highest]} is "
-            f"{1e3 * above:.0f} mm above the centre of mass",
-            "put the legs down in keyframe 'start', or correct the foot",
-        )
+        yield "on_its_back", {"leg": robot.legs[highest], "above": 1e3 * above}
     uneven = height[highest] - height[lowest]
     if uneven > UNEVEN_FEET * float(np.ptp(feet, axis=0).max()):
-        yield (
-            f"its feet do not start on one floor: leg {robot.legs[highest]} ends "
-            f"{1e3 * uneven:.1f} mm above leg {robot.legs[lowest]}",
-            "correct the angles in keyframe 'start', or those held by the card",
-        )
+        legs = {"high": robot.legs[highest], "low": robot.legs[lowest]}
+        yield "uneven", {"apart": 1e3 * uneven, **legs}
 
 
-def _cannot_swing(kinematics: Kinematics) -> Iterator[tuple[str, str]]:
+def _cannot_swing(kinematics: Kinematics) -> Iterator[Problem]:
     robot = kinematics.robot
     for leg, joint in zip(robot.legs, robot.swing_joints, strict=True):
         axis, _ = kinematics.hinge(joint)
         lean = float(np.arccos(min(abs(axis[2]), 1.0)))
         if lean > STEEP:
-            yield (
-                f"leg {leg}: the axis of swing joint {joint!r} is "
-                f"{np.rad2deg(lean):.0f} degrees off the vertical",
-                "legs swing about vertical axes; was the lift joint meant?",
-            )
+            yield "leaning", {"leg": leg, "joint": joint, "lean": np.rad2deg(lean)}
     for group, (low, high) in robot.swing_range.items():
         if not low < 0 < high:
-            yield (
-                f"group {group} stands at the end of its swing, which goes from "
-                f"{low:.3g} to {high:.3g} rad",
-                "stand inside the ranges of its joints and servos",
-            )
+            yield "at_end", {"group": group, "low": low, "high": high}
 
 
-def _cannot_lift(kinematics: Kinematics) -> Iterator[tuple[str, str]]:
+def _cannot_lift(kinematics: Kinematics) -> Iterator[Problem]:
     robot = kinematics.robot
     wanted = robot.card.lift_angle
     rises = kinematics.rise(np.array([wanted, -wanted])).T
     for leg, (rise, other_way) in zip(robot.legs, rises, strict=True):
         joint, sign = robot.card.legs[leg].lift, robot.card.legs[leg].raise_sign
         if rise < CLEAR < other_way:
-            yield (
-                f"leg {leg}: raise = {sign:g} makes joint {joint!r} lower its foot",
-                f"write raise = {-sign:g}",
-            )
+            yield "lowers", {"leg": leg, "joint": joint, "sign": sign, "other": -sign}
         if rise < CLEAR:
-            yield (
-                f"leg {leg}: joint {joint!r} raises its foot by {1e3 * rise:.1f} mm at "
-                f"lift_angle = {wanted}",
-                "lift by a joint that raises the foot, or by a larger angle",
-            )
+            at = {"rise": 1e3 * rise, "wanted": wanted}
+            yield "stays", {"leg": leg, "joint": joint, **at}
     if wanted > kinematics.farthest_lift + 1e-9:
-        yield (
-            f"lift_angle = {wanted} is beyond the range of its lift joints or servos",
-            f"give at most {kinematics.farthest_lift:.4g} rad, which raises the feet "
-            f"by {kinematics.highest:.4f} m",
-        )
+        most = {"most": kinematics.farthest_lift, "highest": kinematics.highest}
+        yield "too_far", {"wanted": wanted, **most}

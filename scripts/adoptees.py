@@ -14,6 +14,8 @@ from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
+from planner.support import shipped_tables
+
 Hip = tuple[float, float, float]  # x, y [m] and bearing [rad] in units of the size
 
 
@@ -28,12 +30,6 @@ def parallel(count: int, length: float = 0.24, width: float = 0.06) -> tuple[Hip
     half = count // 2
     steps = [length * (0.5 - k / (half - 1)) for k in range(half)]
     return tuple((x, side * width, side * pi / 2) for x in steps for side in (1, -1))
-
-
-UNEVEN: tuple[Hip, ...] = (
-    (0.13, 0.05, 0.9), (0.12, -0.06, -0.8), (0.01, 0.09, 1.6),
-    (-0.01, -0.08, -1.5), (-0.12, 0.05, 2.3), (-0.13, -0.05, -2.2),
-)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -65,21 +61,13 @@ class Adoptee:
         return max(map(abs, x)), max(map(abs, y))
 
 
-ADOPTEES = (
-    Adoptee("spider", radial(6), straight=True, drive="motor"),
-    Adoptee("beetle", parallel(6), drive="motor", down=True, bare=True),
-    Adoptee("crab", UNEVEN, drive="position"),
-    Adoptee("scorpion", radial(8), down=True),
-    Adoptee("daisy", radial(6), joints=2, down=True),
-    Adoptee("train", parallel(6), joints=2, bare=True),
-    Adoptee("giant", UNEVEN, joints=2, size=2.0, drive="motor"),
-    Adoptee("octopus", radial(8), joints=2, drive="motor"),
-    Adoptee("walker", radial(6), straight=True, urdf=True),
-    Adoptee("box", parallel(6), joints=2, urdf=True),
+FILE = shipped_tables("scripts", "adoptees.toml")
+HIPS = {name: tuple(map(tuple, hips)) for name, hips in FILE["hips"].items()}
+HIPS |= {"radial 6": radial(6), "radial 8": radial(8), "parallel 6": parallel(6)}
+ADOPTEES = tuple(
+    Adoptee(name, **robot | {"hips": HIPS[robot["hips"]]})
+    for name, robot in FILE["robots"].items()
 )
-COXA, FEMUR, TIBIA, RADIUS = 0.03, 0.06, 0.09, 0.009  # [m] in units of the size
-STEEP = 0.35  # [rad], of the femur of two-jointed legs
-DRIVES = {"motor": 'gear="20" ctrlrange="-1 1"', "position": 'kp="600" kv="3"'}
 TEMPLATES = Environment(
     loader=FileSystemLoader(Path(__file__).parent),
     trim_blocks=True,
@@ -87,8 +75,8 @@ TEMPLATES = Environment(
     undefined=StrictUndefined,
 )
 TEMPLATES.filters |= {"g": "{:.6g}".format, "fixed": "{:.9f}".format}
-TEMPLATES.globals |= {"COXA": COXA, "FEMUR": FEMUR, "TIBIA": TIBIA, "RADIUS": RADIUS}
-TEMPLATES.globals |= {"STEEP": STEEP, "DRIVES": DRIVES, "cos": cos, "sin": sin}
+TEMPLATES.globals |= {**FILE["lengths"], "DRIVES": FILE["drives"]}
+TEMPLATES.globals |= {"cos": cos, "sin": sin}
 
 
 if __name__ == "__main__":

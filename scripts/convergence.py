@@ -15,26 +15,19 @@ from typing import Any
 
 import numpy as np
 
-from scripts.pages import parser_of, picture, tabulate
+from scripts.pages import STUDIES, parser_of, picture, tabulate
 from sim import load_scenario, simulate
 
-PATH = {"kind": "line", "goal": [0.03, 0.03, 0.314]}
-VALUES: Mapping[str, tuple[str, Sequence[float]]] = {  # units, and what is tried
-    "timestep": ("[s]", (0.002, 0.001, 0.0005, 0.00025)),
-    "swing_speed": ("[rad/s]", (0.25, 0.5, 1.0, 1.5, 3.0, 6.0)),
-    "servo_stiffness": ("[N m/rad]", (50.0, 100.0, 300.0, 1000.0, 3000.0)),
-    "friction": ("", (0.3, 0.6, 0.9, 1.2)),
-}
+STUDY = STUDIES["convergence"]
+VALUES: Mapping[str, Sequence[float]] = STUDY["values"]
 PREDICTION, OFF = "quasi_static", "quasi-static"
 COLOUR = "#8022be"  # that this prediction has in all pictures
-KINDS = {"lift": "lift-off to", "swing": "swing on", "land": "touchdown from"}
-SUMS = {"both swings": ("swing",), "lift-offs, touchdowns": ("lift", "land")}
 LENGTHS = "off [mm] | yaw [mrad] | slip [mm] | predicted | end moved [mm]"
 
 
 def walked(setting: str, value: float) -> Any:
     """Numbers of the study's walk with one setting changed, as in summary.json."""
-    changes: dict[str, object] = {setting: value, "path": PATH, "segments": 6}
+    changes: dict[str, object] = {setting: value, "path": STUDY["path"], "segments": 6}
     if setting == "swing_speed":
         changes["swing_acceleration"] = 10 * value  # the same way to full speed
     without = ("identified", "compliant", "creep_floor")
@@ -52,7 +45,7 @@ def study(setting: str) -> list[Any]:
 
     def rows() -> Iterator[tuple[object, ...]]:
         before = np.nan
-        for value in VALUES[setting][1]:
+        for value in VALUES[setting]:
             walks.append(walk := walked(setting, value))
             end = np.array(walk["achieved"]["pose"][:2])
             off, predicted = walk["error"][PREDICTION], walk["predicted"][PREDICTION]
@@ -72,18 +65,19 @@ def draw(studies: Mapping[str, Sequence[Any]], path: Path) -> None:
     with picture(path, (7.0, 3.6), dpi=300) as figure:
         panels = figure.subplot_mosaic("ABE\nCDE", width_ratios=(1.3, 1.3, 1))
         for letter, (setting, walks) in zip("ABCD", studies.items(), strict=True):
-            axes, (unit, values) = panels[letter], VALUES[setting]
+            axes, values = panels[letter], VALUES[setting]
             ratios = [100 * share(walk) for walk in walks]
             axes.semilogx(values, ratios, "o-", color=COLOUR, markersize=3)
-            label = f"{setting.replace('_', ' ')} {unit}".rstrip()
+            label = f"{setting.replace('_', ' ')} {STUDY['units'][setting]}".rstrip()
             axes.set(xlabel=label, ylabel=f"off {OFF}\n[% of path]", ylim=(0, most))
             axes.set_xticks(values, [f"{value:g}" for value in values])
             axes.minorticks_off()
         found = studies["timestep"][1]["error_sources"][PREDICTION]
         parts = [(*name.split(), np.array(moved[:2])) for name, moved in found.items()]
-        moves = {f"{KINDS[k]} {on}": moved for k, on, moved in parts if k in KINDS}
-        for name, kinds in SUMS.items():
-            moves[name] = sum(moved for k, _, moved in parts if k in kinds)
+        kinds = STUDY["kinds"]
+        moves = {f"{kinds[k]} {on}": moved for k, on, moved in parts if k in kinds}
+        for name, of in STUDY["sums"].items():
+            moves[name] = sum(moved for k, _, moved in parts if k in of)
         lengths = [1e3 * np.hypot(*moved) for moved in moves.values()]
         panels["E"].barh([*moves], lengths, color=COLOUR)
         panels["E"].invert_yaxis()

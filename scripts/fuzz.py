@@ -27,7 +27,7 @@ from pathlib import Path
 from models import ModelError
 from scripts.endings import ROOT, Bounds, ending, other
 from scripts.fuzz_foreign import FOREIGN
-from scripts.fuzz_inputs import OWN_KINDS
+from scripts.fuzz_inputs import OWN_KINDS, TEXTS
 from scripts.pages import parser_of
 
 OWN = Bounds()
@@ -35,13 +35,6 @@ ADOPTED = replace(OWN, seconds=35.0)  # the command gives itself 30 s
 LOADING = 4.0  # [s] on the processor that the real command takes to begin
 KINDS = OWN_KINDS | FOREIGN
 ADOPTS = {kind for kind in KINDS if kind.startswith("adopt")}
-LOADED = (  # before processes are forked
-    *("sim.commands.systems", "sim.figures.mechanism", "sim.reports.comparison"),
-    *("sim.sweeps.sweeping", "sim.studies.maps", "sim.export.source", "sim.cli"),
-    *("sim.preparation.inspection", "sim.problems.system", "models.systems.legged"),
-    *("models.systems.smooth", "planner.planning.critical_steps", "scipy.stats.qmc"),
-    *("planner.controllability.gaits", "pandas.core.resample"),
-)
 
 
 def fault(words: list[str], folder: str | Path, bounds: Bounds = OWN) -> str | None:
@@ -101,7 +94,7 @@ def tried(kind: str, seed: int, patience: float, keep: Path) -> bool:
 def load() -> None:
     """Load and build what every case needs, so that processes share it."""
     import_module("sim.pictures.gl").choose()
-    for name in LOADED:
+    for name in TEXTS["loaded"]:
         import_module(name)
     cli = import_module("sim.cli")
     built = cli.parser()

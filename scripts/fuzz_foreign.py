@@ -145,14 +145,14 @@ def answers(folder: Path, rng: random.Random) -> list[str]:
 def run_folder(folder: Path, rng: random.Random) -> list[str]:
     """A finished run, one of whose files is mutated."""
     shutil.copytree(_made(RUN), folder / "mine")
-    path = folder / "mine" / rng.choice(FILES)
+    path = folder / "mine" / rng.choice(TEXTS["files"])
     if path.suffix == ".npz":
         change = _arrays if rng.random() < 0.7 else flipped
         path.write_bytes(change(path.read_bytes(), rng))
     else:
         change = _json if path.suffix == ".json" else mutated
         write(path, change(path.read_text(), rng))
-    return [*rng.choice(READERS), "mine"]
+    return [*rng.choice(TEXTS["readers"]), "mine"]
 
 
 def viewer(folder: Path, rng: random.Random) -> str:
@@ -174,15 +174,6 @@ def viewer(folder: Path, rng: random.Random) -> str:
     return ""
 
 
-FILES = (
-    *("scenario.toml", "model.xml", "summary.json", "model.toml"),
-    *("trajectory.npz", "trajectory.npz", "commands.npz", "flows.csv"),
-)
-READERS = (
-    *(["show", "--no-browser"], ["compare", "mine"], ["cite"], ["sensitivities"]),
-    ["export", "--format", "csv", "--no-play", "--out", "walk.csv"],
-    ["view", "--replay", "--no-browser"],
-)
 FOREIGN: dict[str, Callable[[Path, random.Random], list[str] | str]] = {
     "adopt-mjcf": partial(adopted, urdf=False),
     "adopt-urdf": partial(adopted, urdf=True),

@@ -9,22 +9,17 @@ from __future__ import annotations
 import random
 import re
 import tempfile
-import tomllib
 from collections.abc import Callable
 from functools import cache, partial
 from pathlib import Path
 
+from planner.support import shipped_tables
 from scripts.endings import ROOT
 
 PLAN_TIME = 0.5  # [s], so that no case takes long
 NUMBER = re.compile(r"-?\d+\.?\d*(?:e-?\d+)?")
-NASTY = (
-    *("nan", "inf", "-inf", "0", "-0.0", "-1", "1e308", "-1e308", "1e-320", "1e999"),
-    *("1e6", "0.5", "2", "7", "1e-9", "true", "''", '"x"', "[]", "{}", "[[]]", "[1]"),
-    *(str(2**63), "9" * 400, "1" * 5000, "[" * 300, "\x00", "\udcff", "ö"),
-)
-TEXTS = tomllib.loads((ROOT / "scripts" / "fuzz.toml").read_text())
-FORMULAS = ("Abs(x)", "sign(y)", "sqrt(x)", "1/x", "x**y", "log(x)", "atan2(y, x)")
+TEXTS = shipped_tables("scripts", "fuzz.toml")
+NASTY = (*TEXTS["nasty"], "9" * 400, "1" * 5000, "[" * 300, "\x00", "\udcff", "ö")
 
 
 def mutated(text: str, rng: random.Random) -> str:
@@ -51,7 +46,9 @@ def _word(text: str, rng: random.Random) -> str:
     if len(words) < 2:
         return text
     old, new = rng.choice(words), rng.choice(words)[0]
-    return text[: old.start()] + rng.choice((new, *FORMULAS)) + text[old.end() :]
+    return (
+        text[: old.start()] + rng.choice((new, *TEXTS["formulas"])) + text[old.end() :]
+    )
 
 
 def _lines(text: str, rng: random.Random) -> str:

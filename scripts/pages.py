@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import argparse
 import re
-import tomllib
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from planner.support import shipped_tables
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-LOOKS = tomllib.loads((files("sim") / "styles.toml").read_text("utf-8"))  # of figures
+LOOKS = shipped_tables("sim", "styles.toml")  # of figures
+STUDIES = shipped_tables("scripts", "studies.toml")
 TABLE = re.compile(r"(?:^\|.*\n)+", re.MULTILINE)
 
 

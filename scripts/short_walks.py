@@ -16,16 +16,11 @@ from pathlib import Path
 
 import numpy as np
 
-from scripts.pages import parser_of, picture
+from scripts.pages import STUDIES, parser_of, picture
 from sim import Judge, ScenarioProblem, least_time, load_scenario, prepare
 
-SEGMENTS: Mapping[str, Sequence[int]] = {
-    "line": (20, 30, 40, 60, 80),
-    "ellipse": (30, 45, 60, 90, 120),
-    "diagonal": (15, 22, 30, 45, 60),
-}
-STYLES = {"printed": "o-", "shortest": "s--", "optimised": "D-"}
-COLOURS = "#0919d6", "#ca962f", "#73118d"  # as of several runs in one drawing
+SEGMENTS: Mapping[str, Sequence[int]] = STUDIES["short_walks"]["segments"]
+LOOKS: Mapping[str, Sequence[str]] = STUDIES["short_walks"]["looks"]
 WIDER = (1.0, 2.0)  # tolerances of optimised plans, in deviations of the printed plan
 HEADER = f"{'scenario':10}{'plan':22}{'time [s]':>9}{'deviation [mm]':>16}{'[rad]':>8}"
 
@@ -74,7 +69,7 @@ def draw(studies: Mapping[str, Sequence[Point]], path: Path) -> None:
     with picture(path, (7.0, 2.6), dpi=160) as figure:
         panels = figure.subplots(1, len(studies), squeeze=False)[0]
         for axes, (name, points) in zip(panels, studies.items(), strict=True):
-            for (way, style), colour in zip(STYLES.items(), COLOURS, strict=True):
+            for way, (style, colour) in LOOKS.items():
                 on = sorted(
                     (1e3 * p.position, p.seconds) for p in points if p.way == way
                 )

@@ -15,12 +15,12 @@ import shlex
 import subprocess
 import sys
 import tempfile
-import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from planner.support import shipped_tables
 from scripts.endings import ROOT, Ending, ending, other
 from scripts.pages import tabulate
 
@@ -35,7 +35,7 @@ MOST_CHARACTERS = 260  # characters of what is said
 ROW_LIMIT = 400  # [s] for a row
 AT_ONCE = 2  # rows
 
-_FILE = tomllib.loads((ROOT / "scripts" / "faults.toml").read_text())
+_FILE = shipped_tables("scripts", "faults.toml")
 TEXTS: Mapping[str, str] = _FILE["texts"]
 
 

@@ -11,8 +11,8 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from collections.abc import Iterator, Sequence
-from math import pi, radians
+from collections.abc import Iterator, Mapping, Sequence
+from math import radians
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -20,7 +20,7 @@ import numpy as np
 
 from models import Kinematics, load, shipped_robots
 from scripts.adoptees import ADOPTEES
-from scripts.pages import parser_of, tabulate
+from scripts.pages import STUDIES, parser_of, tabulate
 from sim import load_scenario, shipped_scenarios, simulate
 
 WITHOUT = ("identified", "creep_floor")  # each costs experiments of its own
@@ -28,25 +28,7 @@ TOLERANCE, BROKEN = 0.25, ("fell", "collided")
 FAR = 0.8  # of the mean distance of the feet from the middle
 SHORT = {"path.goal": [0.03, 0.03, 0.0]}  # 8 segments of `line` as it is
 DRAWS, LEGS = 20, 6
-ASIDE = 0.02  # [m], of payloads
-FLOOR = 1e5  # stiffness of the floor as it is
-SIZES: dict[str, Sequence[object]] = {
-    "command_delay": (0.01, 0.05, 0.2),
-    "dead_band": (0.002, radians(0.5), 0.03),
-    "backlash": (0.002, radians(0.5), 0.03),
-    "payload": tuple(
-        [mass, *off, ASIDE]
-        for mass in (0.05, 0.1, 0.8)
-        for off in ((ASIDE, 0.0), (0.0, ASIDE))
-    ),
-    "slope": tuple(
-        [radians(angle), way] for angle in (1, 2, 5, 15) for way in (0.0, pi / 2, pi)
-    ),
-    "floor_stiffness": (FLOOR / 3, FLOOR / 10, FLOOR / 33),
-    "foot_friction": (*([mu, 1.0, 1.0] * 2 for mu in (0.8, 0.5, 0.1)),),
-    "bumps": (5e-4, 1e-3, 2e-3, 8e-3),
-    "friction": (0.3, 1.2, 0.05),
-}
+SIZES: Mapping[str, Sequence[object]] = STUDIES["imperfections"]
 Walk = tuple[str, str, dict[str, object]]  # its name, a scenario, settings
 
 

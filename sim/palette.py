@@ -7,11 +7,11 @@ tell them apart too.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
-from importlib.resources import files
 from typing import Any, NamedTuple
+
+from planner.support import shipped_tables
 
 Style = dict[str, Any]  # of a line, as matplotlib takes it
 
@@ -91,7 +91,7 @@ class PathMark:
         return {**style, "linestyle": dashes, **changes}
 
 
-STYLES = tomllib.loads((files("sim") / "styles.toml").read_text("utf-8"))
+STYLES = shipped_tables("sim", "styles.toml")
 NOMINAL = PathMark("nominal path", Colour(84, 88, 98), 0.01, 1.2, (3.7, 1.6))
 ACHIEVED = PathMark("achieved path", Colour(0, 128, 98), 0.008, 2.2)
 THOUGHT = PathMark("estimated pose", Colour(15, 0, 225), 0.004, 0.7)

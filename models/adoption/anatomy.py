@@ -9,6 +9,7 @@ from itertools import product
 import mujoco
 import numpy as np
 
+from models.adoption.words import refusal
 from models.checks import STEEP, UNEVEN_FEET
 from models.contact.kinematics import Kinematics, find_sole
 from models.description.card import Servo
@@ -109,10 +110,7 @@ def find_limbs(pose: Pose, source: str) -> tuple[Limb, ...]:
         if len(joints) > 1:
             chains.setdefault(joints[-1], {})[geom] = joints
     if not chains:
-        raise ModelError(
-            f"no legs were found: {source}; no geom that can touch the floor is "
-            "connected to the body by two joints or more"
-        )
+        raise refusal("no_legs", source)
     return tuple(_limb(pose, hip, chain, source) for hip, chain in chains.items())
 
 
@@ -127,28 +125,19 @@ def _limb(pose: Pose, hip: int, chain: dict[int, list[int]], source: str) -> Lim
     names = [model.joint(joint).name for joint in joints]
     for joint, own in zip(joints, names, strict=True):
         if model.jnt_type[joint] != mujoco.mjtJoint.mjJNT_HINGE or not own:
-            raise ModelError(
-                f"the leg of {name!r} has joint {own!r}: {source}; legs turn about "
-                "hinges with names"
-            )
+            raise refusal("no_hinge", source, foot=name, joint=own)
     axes, anchors = data.xaxis[joints], data.xanchor[joints]
     swing = int(np.abs(axes[:, 2]).argmax())
     lean = float(np.arccos(min(abs(axes[swing, 2]), 1.0)))
     if lean > STEEP:
-        raise ModelError(
-            f"the leg of {name!r} cannot swing: {source}; none of its joints has an "
-            f"upright axis, {names[swing]!r} is nearest, {np.rad2deg(lean):.0f} "
-            "degrees off: give the leg a joint at its hip that turns about the vertical"
-        )
+        nearest = {"foot": name, "joint": names[swing]}
+        raise refusal("no_swing", source, **nearest, lean=np.rad2deg(lean))
     toe = pose.bottom(foot)
     level = np.arccos(np.minimum(np.abs(axes[:, 2]), 1.0)) > LEVEL
     rises = np.where(level, np.cross(axes, toe - anchors)[:, 2], 0.0)
     lift = int(np.abs(rises).argmax())
     if not rises[lift]:
-        raise ModelError(
-            f"no joint lifts {name!r}: {source}; no joint of its leg has a horizontal "
-            "axis"
-        )
+        raise refusal("no_lift", source, foot=name)
     rest = [n for k, n in enumerate(names) if k not in (swing, lift)]
     return Limb(
         swing=names[swing],
@@ -190,10 +179,7 @@ def standing_angles(pose: Pose, limbs: Sequence[Limb], source: str) -> dict[str,
     reach = max(float(np.linalg.norm(limb.toe[:2] - limb.hip)) for limb in limbs)
     floor = max(belly - CLEARANCE * reach, 0.9 * lowest + 0.1 * belly)
     if not floor < belly:
-        raise ModelError(
-            f"no posture was found to stand in: {source}; its feet reach "
-            f"{1e3 * (belly - lowest):.0f} mm below its body: give it a keyframe"
-        )
+        raise refusal("too_low", source, reached=1e3 * (belly - lowest))
     angles: dict[str, float] = {}
     for limb, table in zip(limbs, tables, strict=True):
         angles |= _lowered(pose, limb, table, floor, source)
@@ -241,10 +227,7 @@ def _lowered(
 
     first, last = above(low), above(high)
     if first * last > 0:
-        raise ModelError(
-            f"no posture was found to stand in: {source}; {limb.foot!r} cannot be put "
-            "on one floor with the others: give it a keyframe 'start'"
-        )
+        raise refusal("too_uneven", source, foot=limb.foot)
     for _ in range(BISECTIONS):
         middle = (low + high) / 2
         low, high = (middle, high) if above(middle) * first > 0 else (low, middle)

@@ -5,14 +5,17 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 from models.adoption.anatomy import Limb, Pose
 from models.adoption.crawl import Crawl
 from models.adoption.groups import LEAST_LOAD, Reach, Stand, Swings
+from models.adoption.words import guess
 from models.description.card import Servo
 from models.description.table import toml_key, toml_text
+from models.morphology.mjcf import template_of
 from planner import Array
 
 LIFT_TIME = 0.6  # [s]; a foot that bears little is shaken off by faster lifts
@@ -57,10 +60,10 @@ def alternating(
             lines.append(f"swing = [{-reach.swing:.4g}, {reach.swing:.4g}]")
         legs = " ".join(str(i + 1) for i in stand.legs)
         turned = f"turned by up to {most:.0f} degrees to " if round(most) else ""
-        pivot = f"line up with the pivot ({x:z.3f}, {y:z.3f}) m"
-        guesses.append(f"group {name}, legs {legs}: {turned}{pivot}")
+        about = {"name": name, "legs": legs, "turned": turned}
+        guesses.append(guess("group", x=x, y=y, **about))
     if reach is not None:
-        guesses.append(f"groups swing {reach.swing:.2f} rad either way, {reach.reason}")
+        guesses.append(guess("swings", swing=reach.swing, reason=reach.reason))
     lines += ["", "[gait]", 'strata = ["12", "1", "12", "2", "12"]']
     pivots = tuple(stand.pivot for stand in pair)
     return GaitDraft(turns, tuple(lines), tuple(guesses), pivots, tuple(swings))
@@ -83,12 +86,7 @@ def rowing(limbs: Sequence[Limb], crawl: Crawl) -> GaitDraft:
         lines += ["", f"[pattern.{pattern}]", f'strata = ["{names}"]']
         lines.append(f"groups = {{ {', '.join(swings)} }}")
     most = np.rad2deg(np.abs(crawl.turns).max())
-    guesses = (
-        "no two groups of its legs can stand alone in turn: it rows on all of them "
-        "to go forward and to turn, and sets them back one at a time",
-        f"legs are turned by up to {most:.0f} degrees, so that each can be lifted "
-        f"while the others stand; strokes are up to {crawl.stroke:.2f} rad either way",
-    )
+    guesses = guess("rows"), guess("strokes", most=most, stroke=crawl.stroke)
     return GaitDraft(crawl.turns, tuple(lines), guesses)
 
 
@@ -113,27 +111,14 @@ def card_text(
     servo: Servo | None,
 ) -> str:
     """Card of a robot that starts at angles [rad]; the servo is for joints without."""
-    lines = [
-        'description = "Drafted by stratawalk adopt."',
-        f"lift_angle = {drafted_lift(pose, limbs):.4g}",
-        f"lift_time = {LIFT_TIME:g}",
-        "",
-        "[start]  # joint angles at which the robot stands [rad]",
-        *(f"{toml_key(joint)} = {angle:.9g}" for joint, angle in angles.items()),
-    ]
-    for number, limb in enumerate(limbs, start=1):
-        hold = ", ".join(f"{toml_key(j)} = {pose.angle(j):.9g}" for j in limb.hold)
-        lines += [
-            "",
-            f"[leg.{number}]",
-            f"swing = {toml_text(limb.swing)}",
-            f"lift = {toml_text(limb.lift)}",
-            f"raise = {limb.up:g}",
-            f"foot = [{toml_text(limb.foot)}]",
-            f"hold = {{ {hold} }}" if hold else "hold = {}",
-        ]
-    lines += gait.lines
-    if servo is not None:
-        numbers = (f"{key} = {value:.4g}" for key, value in servo.settings.items())
-        lines += ["", "[servo]", *numbers]
-    return "\n".join([*lines, ""])
+    return template_of(Path(__file__).with_name("card.toml.jinja")).render(
+        lift_angle=drafted_lift(pose, limbs),
+        lift_time=LIFT_TIME,
+        angles=angles,
+        limbs=limbs,
+        pose=pose,
+        gait=gait,
+        servo=servo,
+        key=toml_key,
+        text=toml_text,
+    )

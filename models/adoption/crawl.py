@@ -15,9 +15,9 @@ import numpy as np
 
 from models.adoption.anatomy import Limb, Pose
 from models.adoption.groups import LEAST_LOAD, MOST_SWING
+from models.adoption.words import refusal
 from models.contact.dissipation import least_dissipation_twist
 from models.contact.loads import least_load, static_loads
-from models.errors import ModelError
 from planner import Array
 from planner.execution import reposition_legs
 
@@ -109,10 +109,8 @@ def find_crawl(pose: Pose, limbs: Sequence[Limb], ranges: Array, source: str) ->
     shape (legs, 2) [rad].
     """
     if not FEWEST_LEGS <= len(limbs) <= MOST_LEGS:
-        raise ModelError(
-            f"its {len(limbs)} legs cannot be set back one at a time: {source}; crawls "
-            f"are drafted for {FEWEST_LEGS} to {MOST_LEGS} legs"
-        )
+        drafted = {"fewest": FEWEST_LEGS, "most": MOST_LEGS}
+        raise refusal("no_crawl", source, count=len(limbs), **drafted)
     body = _Body.of(pose, limbs)
     every = product(_postures(body, ranges), SHARES)
     tries = [replace(crawl, stroke=share * crawl.stroke) for crawl, share in every]
@@ -122,11 +120,7 @@ def find_crawl(pose: Pose, limbs: Sequence[Limb], ranges: Array, source: str) ->
         ends = [side * crawl.stroke * gains for gains, side in ways]
         if _pushes(body, crawl) and all(_moves(body, crawl, e, ranges) for e in ends):
             return crawl
-    raise ModelError(
-        f"its legs cannot row and be set back one at a time: {source}; however they "
-        "are turned within their ranges, some foot bears less than "
-        f"{LEAST_LOAD:.0%} of the weight while another one is lifted"
-    )
+    raise refusal("no_rowing", source, least=LEAST_LOAD)
 
 
 def _postures(body: _Body, ranges: Array) -> Iterator[Crawl]:

@@ -28,6 +28,7 @@ from models.adoption.card_text import (
 from models.adoption.crawl import Crawl, find_crawl
 from models.adoption.groups import LEAST_SWING, Stand, free_reach, posed, two_groups
 from models.adoption.source import Source
+from models.adoption.words import guess, refusal
 from models.checks import check_places
 from models.description.card_file import parse_card
 from models.description.compiled import compile_model, named, root_body
@@ -92,21 +93,14 @@ def draft_card(source: Source) -> Draft:
     if angles := _mid_range(pose, limbs):
         pose.turn(angles)
         limbs = find_limbs(pose, name)
-        guesses.append(
-            f"swing joints, {min(angles)!r} and {len(angles) - 1} more, are drawn at "
-            "or beyond an end of their ranges: they start in the middle"
-        )
+        guesses.append(guess("middle", joint=min(angles), more=len(angles) - 1))
     if not stands(pose, limbs):
         angles |= standing_angles(pose, limbs, name)
         pose.turn(angles)
-        guesses.append("the file puts the feet at different heights: knees were bent")
+        guesses.append(guess("bent"))
     if _depth(pose, limbs) > DEEPEST:
         angles |= (spread := _spread(pose, limbs))
-        guesses.append(
-            "feet stand more than twice as far below their lift joints as beside them, "
-            "so that they jam on the floor and bounce: "
-            + ("lift joints were turned up" if spread else "build legs that reach out")
-        )
+        guesses.append(guess("spread" if spread else "jammed"))
     angles |= _level(pose, limbs)
     limbs = _numbered(find_limbs(pose, name))
     way = _gait(pose, limbs, name)
@@ -122,22 +116,17 @@ def draft_card(source: Source) -> Draft:
     suited = drafted_servo(pose, joints, arm, len(limbs))
     found = {joint: servo_stiffness(model, joint) for joint in joints}
     servo = None if all(found.values()) else suited
-    held = sum(len(limb.hold) for limb in limbs)
-    guesses.append(
-        f"{len(limbs)} legs: joints with the most upright axes swing them, those that "
-        f"raise the feet most lift them{f'; {held} more are held' if held else ''}"
-    )
+    rest = sum(len(limb.hold) for limb in limbs)
+    held = f"; {rest} more are held" if rest else ""
+    guesses.append(guess("legs", count=len(limbs), held=held))
     guesses += gait.guesses
     if servo is not None:
-        guesses.append(f"servos: joints that have none get one of {servo}")
+        guesses.append(guess("servos", servo=servo))
     least = SOFT_SHARE * suited.stiffness
     if soft := [joint for joint in joints if 0 < found[joint] < least]:
-        guesses.append(
-            f"the servos of {len(soft)} joints, such as {soft[0]!r}, are soft, "
-            f"{found[soft[0]]:.4g} N m/rad: if the robot strays from its prediction, "
-            f"--set servo_stiffness={float(f'{suited.stiffness:.3g}'):g} "
-            f"--set servo_damping={suited.damping:.3g} shows whether that is the cause"
-        )
+        wanted, damping = float(f"{suited.stiffness:.3g}"), suited.damping
+        about = {"joint": soft[0], "stiffness": found[soft[0]], "suited": wanted}
+        guesses.append(guess("soft", count=len(soft), damping=damping, **about))
     card = card_text(pose, limbs, gait, angles, servo)
     return Draft(card, tuple(guesses), limbs, gait)
 
@@ -200,11 +189,7 @@ def _gait(
     """Two groups that stand in turn; a crawl where there are none."""
     arms = np.linalg.norm([limb.toe[:2] - limb.hip for limb in limbs], axis=1)
     if arms.min() < SHORT * max(float(arms.max()), 1e-9):
-        raise ModelError(
-            f"foot {limbs[int(arms.argmin())].foot!r} is right below the joint that "
-            f"swings it: {source}; a leg can push only with a foot beside its hip: "
-            "bend it at the start"
-        )
+        raise refusal("below", source, foot=limbs[int(arms.argmin())].foot)
     weight = pose.center_of_mass[:2]
     # how far each leg may turn clockwise and anticlockwise from where it is [rad]
     spans = [np.array(pose.span(m.swing)) - pose.angle(m.swing) for m in limbs]

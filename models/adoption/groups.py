@@ -19,8 +19,8 @@ import mujoco
 import numpy as np
 
 from models.adoption.anatomy import Limb, Pose
+from models.adoption.words import refusal
 from models.contact.loads import static_loads
-from models.errors import ModelError
 from planner import Array
 
 PLACES = 25  # along each side of the field in which pivots are looked for
@@ -63,10 +63,7 @@ def two_groups(limbs: Sequence[Limb], weight: Array, source: str) -> list[Groups
             if least >= LEAST_LOAD:
                 sure.append((least, one, other))
     if not sure:
-        raise ModelError(
-            f"no two groups of its {count} legs can stand alone in turn: {source}; its "
-            "weight is not inside the feet of one while the others are lifted"
-        )
+        raise refusal("no_groups", source, count=count)
     sure.sort(key=lambda way: -round(way[0], 6))
     return [(group, other) for _, group, other in sure[:MOST_WAYS]]
 
@@ -110,10 +107,7 @@ def posed(
             after = [np.concatenate([a.feet, b.feet]) for a, b in (found, moved)]
             if min(pdist(places).min() for places in after) > least:
                 return moved
-    raise ModelError(
-        f"its legs cannot be turned so that they meet at pivots: {source}; each group "
-        "can only slide: widen the ranges of the swing joints or turn them at the start"
-    )
+    raise refusal("no_pivots", source)
 
 
 def _worth(first: Sequence[Stand], second: Sequence[Stand]) -> Array:
@@ -221,10 +215,7 @@ def free_reach(
     if first := _Trial(pose, limbs, groups, lift).first_touching(farthest):
         level, (one, other) = first
         if level <= 1:
-            raise ModelError(
-                f"its legs cannot swing: {source}; {one!r} and {other!r} touch at "
-                "once: make them smaller, or mount the legs farther apart"
-            )
+            raise refusal("touching", source, one=one, other=other)
         swing = farthest * (level - 1) / TRIED_ANGLES
         return Reach(swing, f"beyond which {one!r} and {other!r} would touch", True)
     left = f"where {joint!r} is the first joint to reach an end of its range"

@@ -18,6 +18,7 @@ from tempfile import NamedTemporaryFile
 
 import mujoco
 
+from models.adoption.words import guess, refusal
 from models.description.compiled import named, one_line, read_spec
 from models.description.inspection import ROBOT, inspect_model
 from models.errors import ModelError, UnknownRobotError
@@ -139,10 +140,7 @@ def _from_urdf(path: Path, text: str) -> str:
     children = set(re.findall(r"<child\s+link=[\"']([^\"']+)", text))
     bases = [link for link in links if link not in children]
     if not bases or "</robot" not in text:
-        raise ModelError(
-            f"not a usable URDF file: {path}; it has {len(bases)} links that are no "
-            "child of a joint, where a robot has one"
-        )
+        raise refusal("bases", path, count=len(bases))
     joined = text.replace("</robot", FLOATING.format(base=bases[0]) + "</robot")
     with one_line(f"not a usable URDF file: {path}"):
         spec = mujoco.MjSpec.from_string(joined)
@@ -156,10 +154,6 @@ def _from_urdf(path: Path, text: str) -> str:
 
 THICKNESS = 0.06  # radius of a rod in lengths of the longest one
 SHOWN = 2  # names of meshes in a sentence
-DRAWN = (
-    "no link has a <collision>: shapes that are drawn, <visual>, touch floor and legs, "
-    "and weigh as much as water where no <inertial> says otherwise"
-)
 
 Point = tuple[float, float, float]
 
@@ -182,7 +176,7 @@ def with_shapes(path: Path, given: str, text: str) -> tuple[str, tuple[str, ...]
     if robot.find("link/collision") is None:
         for visual in robot.iterfind("link/visual"):
             visual.tag = "collision"
-            notes = (DRAWN,)
+            notes = (guess("drawn"),)
     names = [str(mesh.get("filename")) for mesh in written.iter("mesh")]
     absent = {
         id(mesh): name
@@ -202,12 +196,7 @@ def with_shapes(path: Path, given: str, text: str) -> tuple[str, tuple[str, ...]
     missing = list(dict.fromkeys(absent.values()))
     more = len(missing) - SHOWN
     shown = ", ".join(missing[:SHOWN]) + (f" and {more} more" * (more > 0))
-    note = (
-        f"its meshes are missing, {shown}: links become rods from joint to joint, and "
-        "legs end twice as far out as their centre of mass; put the meshes "
-        "there, or correct the feet"
-    )
-    return ET.tostring(robot, encoding="unicode"), (*notes, note)
+    return ET.tostring(robot, encoding="unicode"), (*notes, guess("rods", shown=shown))
 
 
 def _ends(robot: ET.Element) -> dict[str, list[Point]]:
@@ -236,10 +225,7 @@ def _place(origin: ET.Element | None) -> Point:
 def _draw(path: Path, link: ET.Element, ends: list[Point], radius: float) -> None:
     """Add rods to a link, and a ball at the end of each."""
     if not any(hypot(*end) for end in ends):
-        raise ModelError(
-            f"no end of link {link.get('name')!r} is known: {path}; its mesh is "
-            "missing, and it has neither a next joint nor a centre of mass: add one"
-        )
+        raise refusal("no_end", path, link=link.get("name"))
     for x, y, z in ends:
         across, length = hypot(x, y), hypot(x, y, z)
         if length > radius:

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from math import pi, radians
-from pathlib import Path
 from typing import Any
 
 from models.description.servos import BOARD_COUNTS, ServoKind
-from models.description.table import parse_toml
-from planner.support import unknown
+from planner.support import shipped_tables, unknown
 
 KGF_CM = 0.0980665  # [N m]
 SIXTY = pi / 3  # [rad]; data sheets give the time for 60 degrees
@@ -43,7 +41,7 @@ def _kind(sheet: dict[str, Any]) -> ServoKind:
     return ServoKind(**sheet)
 
 
-_SHEETS = parse_toml(Path(__file__).with_suffix(".toml").read_text("utf-8"))
+_SHEETS = shipped_tables("models.description", "makes.toml")
 KNOWN_SERVOS = {name: _kind(sheet) for name, sheet in _SHEETS.items()}
 GENERIC = ("pulse", "bus")
 """Servos of no make, to which a data sheet gives torque and speed at least."""

@@ -131,20 +131,20 @@ def write_mjcf(shape: Morphology, groups: Sequence[Collection[int]]) -> str:
     }
     angles = [angle for leg in shape.legs.values() for angle in (leg.turned, 0)]
     far = 4 * max(abs(c) for leg in shape.legs.values() for c in leg.foot)
-    return _template().render(shape=shape, colours=colours, angles=angles, far=far)
+    template = template_of(Path(__file__).with_name("robot.xml.jinja"))
+    facts = {"colours": colours, "angles": angles, "far": far, "n": _numbers}
+    return template.render(shape=shape, **facts)
 
 
 @cache
-def _template() -> Template:
+def template_of(path: Path) -> Template:
+    """The template in a file, which must be given all that it names."""
     from jinja2 import StrictUndefined, Template
 
-    text = Path(__file__).with_name("robot.xml.jinja").read_text("utf-8")
-    template = Template(
-        text, trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True,
-        undefined=StrictUndefined,
+    return Template(
+        path.read_text("utf-8"), trim_blocks=True, lstrip_blocks=True,
+        keep_trailing_newline=True, undefined=StrictUndefined,
     )  # fmt: skip
-    template.globals["n"] = _numbers
-    return template
 
 
 def _numbers(*values: float) -> str:

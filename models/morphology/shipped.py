@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import fields, replace
 from math import isfinite, sqrt
-from pathlib import Path
 from typing import Any
 
-from models.description.table import parse_toml
 from models.morphology.mjcf import (
     Leg,
     Morphology,
@@ -16,7 +14,7 @@ from models.morphology.mjcf import (
     legs_on_a_circle,
     legs_towards_pivots,
 )
-from planner.support import unknown
+from planner.support import shipped_tables, unknown
 
 Legs = Mapping[int, Leg]
 SIX, EIGHT = (1, 4, 5), (1, 4, 6, 7)  # legs of the first group
@@ -85,7 +83,7 @@ def _shape(name: str, like: Mapping[str, Any], own: Mapping[str, Any]) -> Morpho
     return Morphology(damping=damping, **numbers)
 
 
-_TABLES = parse_toml(Path(__file__).with_name("shapes.toml").read_text("utf-8"))
+_TABLES = shipped_tables("models.morphology", "shapes.toml")
 SHAPES = {name: _shape(name, _TABLES["hexapod"], own) for name, own in _TABLES.items()}
 MORPHOLOGIES = tuple(SHAPES.values())
 HEXAPOD = SHAPES["hexapod"]

@@ -3,25 +3,23 @@
 from __future__ import annotations
 
 import argparse
-import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib import import_module
-from importlib.resources import files
 from math import inf
 from pkgutil import resolve_name
 from typing import Any, Literal
 
-from planner.support import installing
+from planner.support import installing, shipped_tables
 from sim.errors import ExitCode, UsageError
 from sim.scenarios.settings import SETTINGS
 
 Declared = Mapping[str, Any]  # options by how they are used: help, a table, or `true`
 SIZES = 1e-6, 1e9  # of numbers in options
 
-COMMANDS = tomllib.loads((files("sim.commands") / "commands.toml").read_text("utf-8"))
+COMMANDS = shipped_tables("sim.commands", "commands.toml")
 """What is declared about each command, by its name, in the order of help."""
-GUESSES = tomllib.loads((files("sim.commands") / "guesses.toml").read_text("utf-8"))
+GUESSES = shipped_tables("sim.commands", "guesses.toml")
 """First guesses that a command line has not, and what is meant by them."""
 SHARED, EVERY, OF_SCENARIOS = (COMMANDS.pop(k) for k in ("shared", "every", "settings"))
 

@@ -7,16 +7,15 @@ The first that finds something is believed, so what would spoil any walk comes f
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from importlib.resources import files
 from math import tan
 
 import numpy as np
 
 from models.description import actuator_of
 from planner import Array
+from planner.support import shipped_tables
 from sim.drive.drive import Drive
 from sim.drive.lift_counts import LiftCounts
 from sim.evaluation.deviations import Scale, error_sources
@@ -34,7 +33,7 @@ LIGHT = 0.2  # of a motor's inertia; joints with less chatter
 BENT = 0.03  # [rad] on average, by which a servo lags behind its command
 RATTLED = 5  # bounces a touchdown; zeros and backlash of a few degrees make up to 3
 HARMLESS = 2  # bounces, of which nothing is said where a walk arrived
-SAID = tomllib.loads((files("sim.evaluation") / "causes.toml").read_text("utf-8"))
+SAID = shipped_tables("sim.evaluation", "causes.toml")
 
 
 @dataclass(frozen=True)

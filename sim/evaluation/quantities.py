@@ -6,12 +6,11 @@ against it. Sweeps have every number of the summary by its key.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from importlib.resources import files
 from math import degrees
 
+from planner.support import shipped_tables
 from sim.evaluation.summary import Played, Summary
 from sim.scenarios.predictions import PREDICTIONS, prediction_key
 from sim.templates import render
@@ -81,7 +80,7 @@ OF_ROWS = (  # beside where each row ends, and how far the physics ends off it
     SLIP,
     Quantity("predicted.*.slip_transition", "switch slip", "mm", 1),
 )
-WALKS = tomllib.loads((files("sim.evaluation") / "quantities.toml").read_text("utf-8"))
+WALKS = shipped_tables("sim.evaluation", "quantities.toml")
 OF_WALKS = tuple(Quantity(key, **shown) for key, shown in WALKS.items())
 WRONG, CLAIMED = (
     q for q in OF_WALKS if q.key in ("feedback.wrong", "feedback.claimed")

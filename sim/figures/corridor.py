@@ -66,7 +66,6 @@ def paper(axes: Mapping[str, Axes]) -> Shown:
         axes[below].plot(0.5 + count * SHARE, standing, "--", **course)
         spread = style.extremes(least, walked.segment)
         style.band(axes[below], *spread, colour=IDEAL, alpha=0.5, label="walk")
-        axes[below].axhline(0, color=WALL, linewidth=0.8)
         axes[below].set_xlim(0.5, count + 0.5)
         where, shortest = walked.share[least.argmin()], np.diff(cuts).min()
         bounds = slack.walking.min() + LEAST, slack.standing.min() + LEAST
@@ -159,7 +158,6 @@ def _draw_clearance(axes: Axes, walked: Walked) -> None:
     for rim in predicted:
         axes.step(segment, rim, where="mid", **PATHS["quasi_static"])
     axes.lines[-1].set_label("_")
-    axes.axhline(0, color=WALL, linewidth=0.8)
     axes.set_xlim(0.5, walked.segments + 0.5)
 
 

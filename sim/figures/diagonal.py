@@ -167,7 +167,6 @@ def _draw_tripods(axes: Axes, prints: Footprints) -> None:
     for tripod, of in _tripods(prints):
         label = f"tripod {tripod}, legs {'-'.join(map(str, LEGS[tripod]))}"
         _draw_prints(axes, tripod, prints, of, MARKERS[tripod], 3.0, label, filled=True)
-    axes.plot([], [], color=NOMINAL, linewidth=0.5, label="those of one leg, in order")
 
 
 def _draw_walk(axes: Axes, walked: PaperWalk) -> None:
@@ -176,5 +175,3 @@ def _draw_walk(axes: Axes, walked: PaperWalk) -> None:
     x, y, yaw = walked.states[np.concatenate([[0], walked.ends])][:, :3].T
     arrows: Style = {"angles": "xy", "scale_units": "xy", "scale": 2, "width": 0.004}
     axes.quiver(x, y, np.cos(yaw), np.sin(yaw), color=INK, zorder=3, **arrows)
-    heading: Style = {"marker": ">", "markersize": 3, "color": INK}
-    axes.plot([], [], label="heading at segment ends", **heading)

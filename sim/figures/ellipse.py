@@ -37,7 +37,6 @@ def paper(axes: Mapping[str, Axes]) -> Shown:
     axes["b"].set_ylim(bottom=0)
     label = "least to largest"
     style.band(axes["c"], least, most, colour=IDEAL, alpha=0.45, label=label)
-    axes["c"].axhline(0, color=NOMINAL, linestyle="--", label="nominal")
     k = _chosen(SEGMENTS_AROUND)
     ends = walked.states[walked.ends][k]
     goals = ellipse(walked.plan.goal, SEMI_AXES).at((k + 1) / SEGMENTS_AROUND)

@@ -35,7 +35,6 @@ def paper(axes: Mapping[str, Axes]) -> Shown:
     for panel, walked in zip("abc", coarse, strict=True):
         _draw_walk(axes[panel], walked)
     _fill_between(axes["d"], envelope(finest.states[:, :2], finest.ends, GOAL), IDEAL)
-    axes["d"].plot([0, GOAL[0]], [0, GOAL[1]], "--", color=INK, linewidth=0.7)
     measured = tube(GOAL, TUBE_SEGMENTS)
     n, error, width = measured.segments, measured.error, measured.width
     power, last = (exponent(measured.length[k:], width[k:]) for k in (FINER, -2))

@@ -18,7 +18,7 @@ from sim import palette
 from sim.figures.physics import Walked
 from sim.figures.sheet import Cell, Shown
 from sim.figures.stability import STANCE, draw_body
-from sim.figures.style import INK, LEGS, MM, NOMINAL, STYLE, TRIPODS
+from sim.figures.style import COLOURS, INK, LEGS, MM, NOMINAL, STYLE, TRIPODS
 from sim.motion.stability import support_polygons
 from sim.palette import Style
 from sim.pictures.ghost import body_corners
@@ -26,8 +26,6 @@ from sim.preparation.setup import Setup
 
 ROBOTS = ("hexapod", "hexapod-parallel", "quadruped")
 SWUNG = 0.5  # [rad], to either side
-BODY = palette.OUTLINE.tint(0.35).hex
-LIFTED = 0.35  # [l]
 SIDE = 5.0  # of the picture of a robot [inch]
 
 
@@ -40,7 +38,6 @@ def paper(axes: Mapping[str, Axes]) -> Shown:
         legs += [(leg, int(tripod), *row) for leg, row in zip(of, rows, strict=True)]
     legs.sort()  # numbered from the front
     _draw_above(axes["a"], legs)
-    _draw_side(axes["b"])
     return Shown(legs)
 
 
@@ -48,15 +45,6 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
     """Three of the robots that walk in MuJoCo."""
     panels = zip(axes.values(), ROBOTS, strict=True)
     rows = [row for panel, robot in panels for row in _draw_robot(panel, robot)]
-    last = axes["c"]
-    for i in range(4):
-        dots: Style = {"color": palette.group(i).hex, "label": f"group {i + 1}"}
-        last.plot([], [], "o", markersize=4, **dots)
-    last.fill([], [], facecolor=BODY, edgecolor=NOMINAL, label="body")
-    last.plot([], [], ">", color=NOMINAL, markersize=6, label="front")
-    last.plot([], [], "s", color=INK, markersize=2.5, label="hip")
-    last.plot([], [], "+", color=INK, label="centre of mass")
-    last.plot([], [], "x", color=NOMINAL, label="pivot of a group")
     return Shown(rows)
 
 
@@ -80,32 +68,6 @@ def _draw_above(axes: Axes, legs: Sequence[tuple[Cell, ...]]) -> None:
     x, y = STANCE.hips(1)[0]
     axes.plot([x, x - np.sin(SWUNG)], [y, y + np.cos(SWUNG)], ":", color=TRIPODS["1"])
     axes.text(x - 0.17, y + 0.62, r"$\varphi_1$", ha="center", color=TRIPODS["1"])
-    for name, of in LEGS.items():
-        label = f"tripod {name}: legs {', '.join(map(str, of))}"
-        axes.plot([], [], color=TRIPODS[name], label=label)
-    axes.plot([], [], "s", color=INK, markersize=3, label="hip, axis of the swing")
-    axes.plot([], [], "o", color=INK, markersize=4, label="foot")
-
-
-def _draw_side(axes: Axes) -> None:
-    """A leg on the ground and raised, seen along the body."""
-    hip = np.array([0.0, 0.5])
-    down = np.array([0.85, 0.0])
-    length = np.linalg.norm(down - hip)
-    up = np.array([np.sqrt(length**2 - (hip[1] - LIFTED) ** 2), LIFTED])
-    axes.axhline(0, color=INK, linewidth=0.8)
-    body: Style = {"linewidth": 5, "alpha": 0.5, "solid_capstyle": "butt"}
-    axes.plot([-0.35, 0.0], [0.5, 0.5], color=NOMINAL, **body)
-    axes.plot(*np.transpose([hip, down]), color=TRIPODS["1"], linewidth=1.6)
-    axes.plot(*np.transpose([hip, up]), ":", color=TRIPODS["1"], linewidth=1.6)
-    axes.plot(*np.transpose([down, up]), "o", color=TRIPODS["1"], markersize=4)
-    axes.plot(*hip, "s", color=INK, markersize=3)
-    arrow = {"arrowstyle": "<->", "lw": 0.6}
-    axes.annotate("", (1.15, LIFTED), (1.15, 0.0), arrowprops=arrow)
-    axes.text(1.19, LIFTED / 2, "$h_1$", va="center")
-    axes.text(-0.33, 0.58, "body", color=NOMINAL)
-    axes.text(-0.33, -0.04, "ground", va="top")
-    axes.set_axis_off()
 
 
 def _draw_robot(axes: Axes, name: str) -> list[tuple[Cell, ...]]:
@@ -119,7 +81,9 @@ def _draw_robot(axes: Axes, name: str) -> list[tuple[Cell, ...]]:
     hips = stance.feet - np.stack([turned[:, 1], -turned[:, 0]], axis=-1)
     corners = MM * body_corners(robot.model, robot.model.body(robot.root).id)[:, :2]
     rim = shapely.get_coordinates(shapely.convex_hull(shapely.MultiPoint(corners)))
-    axes.fill(*rim.T, facecolor=BODY, edgecolor=NOMINAL, linewidth=0.8, zorder=0)
+    axes.fill(
+        *rim.T, facecolor=COLOURS["body"], edgecolor=NOMINAL, linewidth=0.8, zorder=0
+    )
     axes.plot(0.8 * rim[:, 0].max(), 0, ">", color=NOMINAL, markersize=6)
     for i, leg in enumerate(robot.legs):
         group = int(robot.group_of_leg[i])

@@ -67,7 +67,6 @@ def paper(axes: Mapping[str, Axes]) -> Shown:
         apart = max(apart, float(np.abs(end - by_area).max()))
         rows.append((*by, *by_area, *end.tolist(), 2 * by[0] * by[1]))
     _draw_changes(axes["d"], panels, rows)
-    _add_key(axes["a"])
     return Shown(rows, {"side": DRAWN_SIDE, "ratio": RATIO, "apart": apart})
 
 
@@ -85,7 +84,6 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
         rows.append((low, first, second, *by_area, *ends))
     for panel, column in (("c", 3), ("d", 4)):
         _draw_bars(axes[panel], rows, column)
-    _add_key(axes["a"])
     return Shown(rows, {"side": CENTRED})
 
 
@@ -139,12 +137,6 @@ def _draw_way(axes: Axes, states: Array) -> None:
     axes.plot(*states[-1, :2], "s", color=INK, markersize=4, label="end")
 
 
-def _add_key(axes: Axes) -> None:
-    for tripod, colour in TRIPODS.items():
-        axes.plot([], [], color=colour, label=f"tripod {tripod} stands and swings")
-    axes.plot([], [], "o", color=INK, markersize=3, label="start of the loop")
-
-
 def _draw_changes(
     axes: Axes, panels: StratifiedPanels, rows: list[tuple[float, ...]]
 ) -> None:
@@ -168,4 +160,3 @@ def _draw_bars(axes: Axes, rows: list[tuple[Cell, ...]], column: int) -> None:
     names = [f"{row[1]:g}\nby {row[2]:.2g}" for row in rows]
     names[-1] += "\naround 0"
     axes.set_xticks(range(len(rows)), names)
-    axes.axhline(0, color=INK, linewidth=0.6)

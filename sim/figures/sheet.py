@@ -6,7 +6,6 @@ holds its caption; the module of its figure computes the numbers and draws them.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, wait
 from dataclasses import dataclass, field
@@ -20,9 +19,10 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from planner.support import shipped_tables
 from sim.figures import NAMES
 from sim.figures.physics import Job, Walked, Walks, begun, time_left
-from sim.figures.style import STYLE, sheet_of
+from sim.figures.style import COLOURS, STYLE, sheet_of
 from sim.folder import RunFolder, csv_text, whole
 from sim.palette import Style
 from sim.progress import Progress, silent
@@ -33,7 +33,6 @@ FORMATS = ("png", "svg")
 SHARED = {"biped": "strata", "quadruped": "strata"}  # modules, of two figures each
 KINDS = ("paper", "metres")
 OFTEN = 1.0  # [s] after which it is told how far the walks are
-LAYOUTS = Path(__file__).with_name("sheets.toml")
 Cell = str | int | float
 
 
@@ -52,11 +51,18 @@ class Panel:
     title: str
     map: str = ""  # unit of a plan view
     axes: Style = field(default_factory=dict)  # labels, limits and aspect
+    fixed: Sequence[Sequence[Any]] = ()  # what never changes: method, arguments, look
     room: float = 0.0  # height for the key, in heights of the curves, from 0 on
     legend: Style | None = None  # of its own
 
     def finish(self, axes: Axes, title: str) -> None:
-        """Add to a drawing all that is not its content."""
+        """Add to a drawing what depends on no numbers; its colours are `COLOURS`."""
+        for method, *given, look in self.fixed:
+            named = {
+                key: COLOURS.get(value, value) if key.endswith("color") else value
+                for key, value in look.items()
+            }
+            getattr(axes, method)(*given, **named)
         if self.map:
             axes.set(xlabel=f"x [{self.map}]", ylabel=f"y [{self.map}]")
             axes.set_aspect("equal", adjustable="datalim")
@@ -132,7 +138,7 @@ def rows_of(*columns: Iterable[Any]) -> list[tuple[Cell, ...]]:
 @cache
 def layouts() -> Mapping[str, Mapping[str, Layout]]:
     """What `sheets.toml` says of all figures, by their names and kinds."""
-    figures = tomllib.loads(LAYOUTS.read_text(encoding="utf-8"))
+    figures = shipped_tables("sim.figures", "sheets.toml")
     for layout in (layout for kinds in figures.values() for layout in kinds.values()):
         layout["panels"] = {k: Panel(**panel) for k, panel in layout["panels"].items()}
     return {

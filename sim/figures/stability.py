@@ -140,7 +140,6 @@ def _draw_margins(axes: Axes) -> None:
         line: Style = {"color": TRIPODS[name], "linewidth": width}
         label = f"tripod {name}, to the nearest side"
         axes.plot(PHI, margin, style, label=label, **line)
-    axes.axhline(0, color=INK, linewidth=0.6)
 
 
 def _margins(phi: Array) -> tuple[Array, ...]:

@@ -69,7 +69,6 @@ def paper(axes: Mapping[str, Axes], systems: Sequence[str]) -> Shown:
         graph = graph_of(problem.system, problem.gait)
         draw_graph(panel, graph)
         rows += _rows(name, graph)
-    _add_key(panels[0])
     return Shown(rows)
 
 
@@ -86,7 +85,6 @@ def metres(
         draw_graph(panel, graph, {s: f"${MM * m:.0f}$ mm" for s, m in margins.items()})
         for row in _rows(name, graph):
             rows.append((*row, margins[str(row[1]).removeprefix("S")]))
-    _add_key(axes["a"])
     return Shown(rows)
 
 
@@ -193,16 +191,6 @@ def numbered(colour: str) -> Style:
     box = {"boxstyle": "circle,pad=0.15", "facecolor": colour, "edgecolor": "none"}
     look: Style = {"color": "white", "fontsize": 6.5, "bbox": box}
     return look | {"ha": "center", "va": "center"}
-
-
-def _add_key(axes: Axes) -> None:
-    box: Style = {"marker": "s", "markerfacecolor": "white", "linestyle": ""}
-    step: Style = {"color": INK, "marker": ">", "label": "steps of the gait, in order"}
-    other = "set of feet that is no stratum of the system"
-    axes.plot([], [], color=NOMINAL, markersize=7, label="stratum", **box)
-    axes.plot([], [], color=NOMINAL, linewidth=1.2, label="lift-off or touchdown")
-    axes.plot([], [], **step)
-    axes.plot([], [], color=ABSENT, markersize=5, label=other, **box)
 
 
 def _rows(name: str, graph: Graph) -> Iterator[tuple[Cell, ...]]:

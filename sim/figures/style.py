@@ -30,6 +30,12 @@ INK = palette.TEXT.hex  # also the centre of mass
 TRIPODS: Mapping[str, str] = {"1": GROUPS[0].hex, "2": GROUPS[1].hex}
 STRATA: Mapping[str, str] = {"12": INK, **TRIPODS}  # of what happens on each
 LEGS: Mapping[str, tuple[int, ...]] = {"1": (1, 4, 5), "2": (2, 3, 6)}
+COLOURS: Mapping[str, str] = {  # by what they mean, for `sheets.toml`
+    **{"nominal": NOMINAL, "ink": INK, "wall": palette.OBSTACLE.hex},
+    **{"body": palette.OUTLINE.tint(0.35).hex, "absent": palette.OUTLINE.hex},
+    **{f"tripod {name}": colour for name, colour in TRIPODS.items()},
+    **{f"group {i}": colour.hex for i, colour in enumerate(GROUPS, start=1)},
+}
 PATHS: Mapping[str, Style] = {  # of a walk, the broad ones below
     "achieved": ACHIEVED.line(color=ACHIEVED.colour.tint(0.45).hex, label="physics"),
     "ideal": PREDICTED["ideal"].line(linewidth=0.6, label="predicted, ideal"),

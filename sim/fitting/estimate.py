@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from planner import Array
+from planner.support import shipped_tables
 
 UNSEEN = 0.5  # of the spread of a direction that measurements leave
 PART = 0.25  # of a direction, from which on a parameter takes part in it
@@ -36,6 +37,13 @@ class Parameter:
     step: float  # of finite differences
     low: float = -np.inf
     logarithm: bool = False  # whether the search, spread and step are about it
+    setting: str = ""  # of scenarios, that it is
+
+
+def parameters_of(what: str) -> tuple[Parameter, ...]:
+    """The parameters of a servo or of a body, as `parameters.toml` has them."""
+    tables = shipped_tables("sim.fitting", "parameters.toml")[what]
+    return tuple(Parameter(name=name, **table) for name, table in tables.items())
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,21 +20,14 @@ import numpy as np
 from models import Robot
 from planner import Array
 from sim.errors import SimulationError, UsageError
-from sim.fitting.estimate import Estimates, Parameter, estimate, pooled, together
+from sim.fitting.estimate import Estimates, estimate, parameters_of, pooled, together
 from sim.fitting.servo_law import Commanded, known_servos, on_floor, on_stand
 from sim.folder import require_free, whole
 from sim.logs.log import Log
 from sim.preparation.setup import Setup
 from sim.preparation.shared import built
 
-SERVO = (
-    Parameter(name="stiffness", unit="N m/rad", spread=1.0, step=0.02, logarithm=True),
-    Parameter(name="damping", unit="N m s/rad", spread=1.0, step=0.02, logarithm=True),
-    Parameter(name="dead band", unit="rad", spread=0.03, step=5e-4, low=0.0),
-    Parameter(name="backlash", unit="rad", spread=0.03, step=5e-4, low=0.0),
-    Parameter(name="zero", unit="rad", spread=0.05, step=1e-3),
-    Parameter(name="delay", unit="s", spread=0.05, step=1e-3, low=0.0),
-)
+SERVO = parameters_of("servo")
 MAKE = (0, 1, 3, 5)  # parameters of a make; dead band and zero are a servo's own
 LONGEST_DELAY = 0.3  # [s]; delay that is looked for
 APART = 0.01  # [s]; delays that are tried
@@ -46,9 +39,6 @@ FEWEST_ROWS = 20  # of a log; six parameters are fitted to each joint
 ON_CARD = "\n[fitted]\n"  # the last table of a card
 SHOWS = 2.0  # standard errors, below which backlash or delay is none
 ROUNDS = 3  # of walking on the floor, all but the first with servos as found
-SHARED = {"stiffness": "servo_stiffness", "damping": "servo_damping",
-          "backlash": "backlash", "delay": "command_delay"}  # fmt: skip
-OWN = {"dead band": "dead_band", "zero": "zero_offset"}
 Value = float | list[float]
 Fitted = Mapping[str, tuple[Value, Value]]
 """Settings of scenarios by name, and their standard errors."""
@@ -72,13 +62,13 @@ class JointFit:
             number, off = self.make.of(k)
             none = parameter.low == 0 and number < SHOWS * off
             if self.make.seen[0, k]:
-                found[SHARED[parameter.name]] = 0.0 if none else number, off
+                found[parameter.setting] = 0.0 if none else number, off
         for k, parameter in enumerate(self.own.parameters):
             if (seen := self.own.seen[:, k]).any():
                 both = np.where(seen, [self.own.value[:, k], self.own.error[:, k]], 0.0)
                 of = [dict(zip(self.joints, n.tolist(), strict=True)) for n in both]
                 value, error = ([n.get(joint, 0.0) for joint in joints] for n in of)
-                found[OWN[parameter.name]] = value, error
+                found[parameter.setting] = value, error
         return found
 
 

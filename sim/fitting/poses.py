@@ -16,7 +16,7 @@ from planner import Array
 from sim.compliant.anatomy import Robots
 from sim.compliant.phases import Course, Phases
 from sim.compliant.prediction import course_along, phases_of
-from sim.fitting.estimate import Estimates, Parameter, estimate
+from sim.fitting.estimate import Estimates, estimate, parameters_of
 from sim.fitting.fitting import FITTED, Fitted
 from sim.logs.log import Log
 from sim.motion.poses import relative
@@ -25,15 +25,7 @@ from sim.runs.run import Run
 from sim.studies.sensitivities import course_of_run
 from sim.world.imperfections import BACKLASH, turned
 
-BODY = (
-    Parameter(name="friction", unit="", spread=0.4, step=0.04, low=0.05),
-    Parameter(name="payload", unit="kg", spread=0.3, step=0.02, low=0.0),
-    Parameter(name="payload times x", unit="kg m", spread=0.01, step=5e-4),
-    Parameter(name="payload times y", unit="kg m", spread=0.01, step=5e-4),
-    Parameter(name="slope ahead", unit="rad", spread=0.03, step=2e-3),
-    Parameter(name="slope to the left", unit="rad", spread=0.03, step=2e-3),
-    Parameter(name="stiffness", unit="N m/rad", spread=0.5, step=0.05, logarithm=True),
-)
+BODY = parameters_of("body")
 SETTINGS = {"friction": [0], "payload": [1, 2, 3], "slope": [4, 5],
             "servo_stiffness": [6]}  # shown if any of them is seen  # fmt: skip
 LEVEL = 1e-5  # [rad]; a slope from which on directions of phases matter

@@ -20,6 +20,7 @@ import numpy as np
 from models import Kinematics, ModelError, Robot
 from models.contact import UPRIGHT
 from models.description import actuator_of, silence_the_engine
+from planner.support import shipped_tables
 from sim.errors import UsageError
 from sim.scenarios.predictions import imperfect
 from sim.scenarios.scenario import Scenario
@@ -30,6 +31,7 @@ SETTLING = 0.5  # [s]
 CHUNK = 10  # steps between two looks at whether Ctrl-C was pressed
 SHORTER = (0.002, 0.001, 0.0005)  # timesteps to try where a longer one fails [s]
 MOST_STEPS = 4000  # steps, for tiny timesteps
+SAID = shipped_tables("sim.physics", "standing.toml")
 
 
 def check_standing(
@@ -84,10 +86,7 @@ def _check_standing(
         return
     rise = 1e3 * float(kinematics.rise(np.array(lift_angle)).min())
     sag = 1e3 * (before - float(data.qpos[height]))
-    what = f"its legs give way by {sag:.1f} mm, "
-    what += f"and a lifted foot rises by {rise:.1f} mm only"
-    remedy = "stiffen its servos (servo_stiffness, servo), or lift higher (lift_height)"
-    sagging = [(what, remedy)] if sag > rise else []
+    sagging = [problem("sags", sag=sag, rise=rise)] if sag > rise else []
     lying, soft = [*standing.lying()], standing.too_soft()
     found = (standing.tipped(), lying and sagging, lying, standing.aloft(), sagging)
     _refuse(robot, chain(*found, soft))
@@ -132,6 +131,12 @@ def _refuse_obstacles(model: mujoco.MjModel, data: mujoco.MjData) -> None:
                 raise UsageError(what, "obstacles", remedy)
 
 
+def problem(what: str, **facts: object) -> tuple[str, str]:
+    """Why a robot does not stand, and what to do about it."""
+    words = SAID["problems"][what], SAID["remedies"][what]
+    return words[0].format(**facts), words[1].format(**facts)
+
+
 @dataclass(frozen=True)
 class _Standing:
     """A robot that stands or not; its problems are pairs of what and a remedy."""
@@ -149,10 +154,7 @@ class _Standing:
     def tipped(self) -> Iterator[tuple[str, str]]:
         tilt = float(np.arccos(np.clip(self.data.body(self.robot.root).xmat[8], -1, 1)))
         if tilt > UPRIGHT:
-            yield (
-                f"it tilts by {np.rad2deg(tilt):.3g} degrees in {self.data.time:.2g} s",
-                "put its feet around its centre of mass, or stiffen its servos",
-            )
+            yield problem("tipped", tilt=np.rad2deg(tilt), time=self.data.time)
 
     def too_soft(self) -> Iterator[tuple[str, str]]:
         """Lift servos that their load would bend by more than they are to lift."""
@@ -162,13 +164,9 @@ class _Standing:
             stiffness = model.actuator_gainprm[actuator_of(model, leg.lift), 0]
             torque = load[model.joint(leg.lift).dofadr[0]]
             if torque > stiffness * robot.card.lift_angle:
-                yield (
-                    f"joint {leg.lift!r} bears {torque:.3g} N m, for which its servo "
-                    f"of {stiffness:.3g} N m/rad has to bend by more than lift_angle = "
-                    f"{robot.card.lift_angle:g}",
-                    f"stiffen it (servo_stiffness), to {10 * torque / UPRIGHT:.2g} or "
-                    "so",
-                )
+                bent = {"joint": leg.lift, "torque": torque, "stiffness": stiffness}
+                stiff, lift = 10 * torque / UPRIGHT, robot.card.lift_angle
+                yield problem("too_soft", lift=lift, stiff=stiff, **bent)
 
     def lying(self) -> Iterator[tuple[str, str]]:
         """Contacts of parts that are no feet, or with things that are not the floor."""
@@ -176,31 +174,20 @@ class _Standing:
         floor = int(model.sensor_objid[model.sensor(watched).id])
         for own, other in self._touched():
             if own not in self._feet:
-                yield (
-                    f"{self._name(own)} lies on {self._name(other)}",
-                    "lift the body off it, or make that geom a foot",
-                )
+                yield problem("lies", own=self._name(own), other=self._name(other))
             elif other != floor:
-                yield (
-                    f"foot {model.geom(own).name!r} stands on {self._name(other)}, "
-                    f"which is not the floor, {self._name(floor)}",
-                    "leave one of the two out, or make the former a horizontal plane",
-                )
+                below = {"other": self._name(other), "floor": self._name(floor)}
+                yield problem("no_floor", own=model.geom(own).name, **below)
 
     def aloft(self) -> Iterator[tuple[str, str]]:
         """Legs whose feet touch nothing."""
         aloft = {*self.robot.legs} - {self._feet.get(own) for own, _ in self._touched()}
         if not aloft:
             return
-        what = f"the foot of leg {min(aloft)} touches nothing"
         for one, other in self._contacts(robots=2):
-            yield (
-                f"{what}, while {self._name(one)} and {self._name(other)} of it push "
-                "against each other",
-                "make room between them, or let them pass through each other "
-                "(<exclude>)",
-            )
-        yield what, "correct its angles in keyframe 'start', or the geoms of its foot"
+            both = {"one": self._name(one), "other": self._name(other)}
+            yield problem("pushing", leg=min(aloft), **both)
+        yield problem("aloft", leg=min(aloft))
 
     @cached_property
     def _feet(self) -> dict[int, int]:

@@ -12,7 +12,7 @@ from typing import ClassVar
 import numpy as np
 
 from planner import Array
-from planner.support import did_you_mean
+from planner.support import did_you_mean, shipped_tables
 from sim.errors import UsageError
 from sim.pictures.clock import FRAME_RATE, Clock
 from sim.runs.run import Run
@@ -31,7 +31,6 @@ NEAR_FLOOR = 3.5  # in units of the distance; beyond, a grid would be a blur
 ENOUGH = 2000  # moments at which it is asked what has to be seen
 ELEVATION = -50.0  # [degrees]
 VIEW_DISTANCE = 7.0  # in units of the robot's reach; beyond, the camera follows
-CLOSE = 3.5  # the same where the camera always follows
 STEEPEST, FLATTEST = -89.9, -5.0  # [degrees]; the floor hides all from below
 CALM = 1.5  # [s] of film over which the camera follows
 
@@ -45,17 +44,9 @@ class View:
     farthest: float = VIEW_DISTANCE  # distance, in units of the robot's reach
 
 
-ACROSS = View()
-VIEWS = {
-    "across": ACROSS,
-    "follow": View(farthest=CLOSE),
-    "top": View(90.0, STEEPEST),
-    "front": View(180.0, -25.0),
-    "back": View(0.0, -25.0),
-    "left": View(-90.0, -25.0),
-    "right": View(90.0, -25.0),
-}
-"""Named views; sides are those of the robot at the start."""
+FILM = shipped_tables("sim.pictures", "film.toml")
+VIEWS = {name: View(**view) for name, view in FILM["views"].items()}
+ACROSS = VIEWS["across"]
 
 
 def view_of(text: str) -> View:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +13,7 @@ from sim import palette
 from sim.evaluation.flows import WalkedPhase
 from sim.evaluation.quantities import ACHIEVED, OF_ROWS, OF_WALKS
 from sim.palette import Colour
-from sim.pictures.camera import HEIGHT, WIDTH, Camera
+from sim.pictures.camera import FILM, HEIGHT, WIDTH, Camera
 from sim.pictures.clock import Clock
 from sim.pictures.ghost import ghost_of
 from sim.pictures.inset import inset
@@ -43,22 +43,8 @@ SCALE = 50  # height of the scale bar's panel [pixels]
 TICK = 5  # half the height of the scale bar's ends [pixels]
 VEIL = (0.6, 0.92), (0.92, 0.45)  # share of the width, share of paper over a picture
 HEADLINE, STEP, MARGIN = 48, 38, 150  # of cards: type, lines, left edge [pixels]
-RESULTS = (
-    "path_length",
-    "distance_walked",
-    "predicted.*.slip",
-    "predicted.*.min_margin",
-)
-SLIPPING = [  # where feet slip farther than the path is long
-    "This is normal. Slip is summed over all feet, while the body goes back and forth,",
-    "and a foot that stands slides with every stroke, as its leg has but two joints.",
-]
-VERBS = {  # of a group in the air, of one on the ground
-    "hold": ("wait{s} in the air", "stand{s}"),
-    "swing": ("swing{s} in the air", "swing{s} the body"),
-    "lift": ("lift{s}", "lift{s}"),
-    "land": ("land{s}", "land{s}"),
-}
+CARDS: Mapping[str, list[str]] = FILM["cards"]
+VERBS: Mapping[str, list[str]] = FILM["verbs"]
 
 
 class Captions:
@@ -87,11 +73,7 @@ def _title(walk: Run) -> list[str]:
     scenario = walk.scenario
     steered = f"{scenario.fields} fields, {walk.segments} segments"
     what = scenario.description or ("played" if scenario.motion else steered)
-    plan = [
-        "Legs that can only swing and lift; a plan made of Lie brackets",
-        "after Goodwine and Burdick, IROS 2000; physics by MuJoCo",
-    ]
-    about = ["Motion from elsewhere; physics by MuJoCo"] if scenario.motion else plan
+    about = CARDS["played" if scenario.motion else "planned"]
     return [scenario.name, f"{Path(scenario.robot).stem}: {what}", "", *about]
 
 
@@ -101,11 +83,13 @@ def _results(walk: Run) -> list[str]:
     found = [
         f"{q.label}: {q.words(value)}"
         for q in (*OF_WALKS, *(q for q in OF_ROWS if q.key.startswith("predicted")))
-        if q.key in RESULTS and (value := q.value(summary, ACHIEVED)) is not None
+        if q.key in CARDS["results"]
+        and (value := q.value(summary, ACHIEVED)) is not None
     ]
     end = head.removeprefix(summary.verdict).lstrip(": ")
     normal = summary.verdict == "arrived" and not walk.scenario.motion
-    why = SLIPPING if normal and summary.achieved.slip > summary.path_length else []
+    slips = normal and summary.achieved.slip > summary.path_length
+    why = CARDS["slipping"] if slips else []
     title = f"{walk.scenario.name}: {summary.verdict}"
     return [title, end, *further, "", *found, *why]
 

@@ -20,7 +20,7 @@ from planner import Array
 from sim import palette
 from sim.motion.poses import spaced_rows
 from sim.palette import Colour
-from sim.pictures.camera import FIELD_OF_VIEW, HEIGHT, WIDTH, Camera
+from sim.pictures.camera import FIELD_OF_VIEW, FILM, HEIGHT, WIDTH, Camera
 from sim.pictures.drawing import Drawing, Mark
 from sim.pictures.ghost import Ghost, body_corners, ghost_of
 from sim.pictures.legend import NOSE, text
@@ -56,10 +56,7 @@ class Look:
     body: float  # opacity of the torso
 
 
-LOOKS = {
-    "draft": Look(False, samples=0, slices=14, ambient=0.74, gloss=0.1, body=0.6),
-    "final": Look(True, samples=4, slices=28, ambient=0.6, gloss=0.5, body=0.8),
-}
+LOOKS = {name: Look(**look) for name, look in FILM["looks"].items()}
 
 
 class OffscreenRenderer:

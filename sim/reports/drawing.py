@@ -9,7 +9,7 @@ from __future__ import annotations
 import io
 import logging
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from planner import Array
+from planner.support import shipped_tables
 from sim import palette
 from sim.runs.run import Run
 
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+WORDS = shipped_tables("sim.reports", "words.toml")
+NOTES: Mapping[str, str] = WORDS["notes"]
 PAGE_WIDTH = 7.2  # [in] of a drawing over the whole page
 LEFT, RIGHT = 0.085, 0.985  # of the width, between which the axes lie
 BINS = 500  # of a time axis; each keeps its extremes

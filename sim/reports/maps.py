@@ -22,6 +22,7 @@ from sim.palette import (
     Style,
 )
 from sim.reports.drawing import (
+    NOTES,
     Drawing,
     Key,
     add_band,
@@ -44,15 +45,6 @@ ERROR_HEIGHT = 1.75  # [in]
 WAYS = ("along", "across")
 DASHES: Sequence[tuple[float, ...]] = ((), (4.0, 1.5), (1.0, 1.0))
 ARROWS, TURNED = 8, 0.1  # at most, on a path that turns by more [rad]
-FRONT = " Arrows point where the front of the body points."
-NOTE = (
-    "The ring is the goal. A body that brackets move, sideways for example, leaves the "
-    "nominal path: it goes forward and back, as one parks a car."
-)
-SHARES = (
-    "To the right: the part of the walk that is done [%]. The curve is the largest "
-    "distance in each segment, or in each phase of a walk of few segments."
-)
 
 
 def plan_view(run: Run) -> Drawing:
@@ -69,9 +61,9 @@ def plan_view(run: Run) -> Drawing:
             axes.plot(*(MM * outline.T), **THOUGHT.line())
         if run.thought:
             keys.append(Key.of(THOUGHT, f"{THOUGHT.label}, 90 % sure"))
-        note = "" if run.scenario.motion else NOTE
+        note = "" if run.scenario.motion else NOTES["plan"]
         if np.ptp(np.unwrap(run.nominal[:, 2])) > TURNED:
-            note += FRONT
+            note += NOTES["front"]
             _draw_headings(axes, run)
         return finish(figure, "Path of the body's centre, x and y [mm]", keys, note)
 
@@ -103,11 +95,8 @@ def errors(run: Run) -> Iterator[Drawing]:
             keys = [Key.of(m, f"off {ROWS[n]}") for n, m in marks.items()]
             kind = "segment" if len(starts) == run.segments else "phase"
             along = "length of the path [mm]" if length else f"number of the {kind}"
-            note = (
-                f"To the right: {along}. Lines join the ends of the "
-                f"{len(starts)} {kind}s; pale bands hold all that lies between. "
-                "Forward and to the left count as positive."
-            )
+            told = {"along": along, "count": len(starts), "kind": kind}
+            note = NOTES["errors"].format(**told)
             both = (keys, note) if word == WAYS[-1] else ([], "")
             yield finish(figure, f"Error {word} the path [mm]", *both)
 
@@ -134,7 +123,7 @@ def overlaid(runs: Sequence[tuple[str, Run]]) -> Iterator[Drawing]:
                 known["measured"] = Key.of(PREDICTED["measured"], "measured")
             axes.plot(*_walked(run, run.achieved), **style)
         heading = "Achieved paths of the body's centre, x and y [mm]"
-        note = "" if runs[0][1].scenario.motion else NOTE
+        note = "" if runs[0][1].scenario.motion else NOTES["plan"]
         yield finish(figure, heading, [*known.values(), *names], note)
     best = best_of([run for _, run in runs])
     for what, key in ((best, ""), ("the measured body", "measured")):
@@ -147,7 +136,7 @@ def overlaid(runs: Sequence[tuple[str, Run]]) -> Iterator[Drawing]:
                 axes.step(100 * _shares(run)[1:], most, **style)
             axes.set_xlim(0, 100)
             axes.set_ylim(bottom=0)
-            yield finish(figure, f"Distance from {what} [mm]", names, SHARES)
+            yield finish(figure, f"Distance from {what} [mm]", names, NOTES["shares"])
 
 
 def _draw_place(axes: Axes, run: Run) -> list[Key]:

@@ -19,7 +19,7 @@ from sim.folder import RunFolder
 from sim.pictures.clock import FRAME_RATE, clock
 from sim.progress import Progress, silent
 from sim.reports import tables
-from sim.reports.drawing import Drawing
+from sim.reports.drawing import WORDS, Drawing
 from sim.reports.maps import errors, plan_view
 from sim.reports.panels import panels
 from sim.runs.run import Run
@@ -29,12 +29,6 @@ from sim.templates import render
 NAME = "report.html"
 MOMENTS = 1500  # at most under the cursor
 DRAWINGS = 9  # at most, those of a walk among obstacles
-DOING = {
-    "hold": "standing still",
-    "lift": "group {} lifts off",
-    "swing": "group {} swings",
-    "land": "group {} touches down",
-}
 
 
 def write_report(run: Run, progress: Progress = silent) -> Path:
@@ -87,7 +81,7 @@ def _moments(run: Run) -> dict[str, object]:
         "margin": _finite(1e3 * run.margin[rows], 1),
         "phase": np.clip(run.phase[rows], 0, len(run.phases) - 1).tolist(),
         "phases": [
-            f"stratum {p.stratum}, {DOING.get(p.kind, p.kind).format(p.group)}"
+            f"stratum {p.stratum}, {WORDS['doing'].get(p.kind, p.kind).format(p.group)}"
             for p in run.phases
         ],
         "best": PREDICTIONS[run.best].label,

@@ -15,6 +15,7 @@ from sim.motion.poses import lean_of
 from sim.palette import ACHIEVED, PREDICTED, Style
 from sim.reports.drawing import (
     DETAIL,
+    NOTES,
     Drawing,
     Key,
     add_band,
@@ -155,15 +156,9 @@ def _slip(run: Run) -> Drawing:
         ):
             together = MM * run.arrays[name][:, owners == i].sum(axis=1)
             curves.append((together, style, own))
-    note = (
-        f"Dotted lines are the {best.label} prediction. Where none is seen, it lies on "
-        "the solid one."
-    )
+    note = NOTES["slip"].format(label=best.label)
     if (floor := run.summary.achieved.creep_floor) is not None:
-        note += (
-            f" If the robot stood for as long, its feet would creep by "
-            f"{MM * floor:.3g} mm, because of the solver."
-        )
+        note += NOTES["creep"].format(floor=MM * floor)
     heading = "Slip of each group's feet together, since the start [mm]"
     return _curves(run, heading, curves, note, bottom=0)
 
@@ -197,12 +192,9 @@ def _contacts(run: Run) -> Drawing:
             ("not as planned", LIMIT),
         ]
         keys = [Key(label, colour, filled=True) for label, colour in shown]
-        note = (
-            "A bar is a foot on the ground. A stratum is named after the groups that "
-            "stand, and a group that stands alone gives it its colour. Thin dark red "
-            "bars are contacts that differ from the plan."
+        return finish(
+            figure, "Contacts of the feet, and strata", keys, NOTES["contacts"]
         )
-        return finish(figure, "Contacts of the feet, and strata", keys, note)
 
 
 def _bars(axes: Axes, spells: Array, y: float, high: float, colour: str) -> None:

@@ -18,6 +18,7 @@ from sim.evaluation.quantities import (
     YAW,
     number,
 )
+from sim.reports.drawing import WORDS
 from sim.runs.run import Run
 from sim.scenarios.file import toml_value
 from sim.scenarios.predictions import PREDICTIONS
@@ -26,17 +27,6 @@ from sim.templates import render
 
 MM = 1e3
 JOINED = "flows (successive ones along a field count as one)"  # unlike in plans
-SHIFTED = {  # what the phases of a walk are called in the table of sources
-    "hold": "standing still on S{}",
-    "lift": "lift-off to S{}",
-    "swing": "swing on S{}",
-    "land": "touchdown from S{}",
-}
-SUMS = {
-    "all swings": ("swing",),
-    "all lift-offs and touchdowns": ("lift", "land"),
-    "all together": tuple(SHIFTED),
-}
 
 
 @dataclass(frozen=True)
@@ -105,8 +95,8 @@ def kinds_of(parts: Mapping[str, Array]) -> Iterator[tuple[str, list[str]]]:
     """Rows of a table of sources: names, and the kinds of phases that they sum."""
     for label in parts:
         kind, _, stratum = label.partition(" S")
-        yield SHIFTED.get(kind, f"{kind} S{{}}").format(stratum), [label]
-    for name, kinds in SUMS.items():
+        yield WORDS["shifted"].get(kind, f"{kind} S{{}}").format(stratum), [label]
+    for name, kinds in WORDS["sums"].items():
         if own := [label for label in parts if label.partition(" ")[0] in kinds]:
             yield name, own
 

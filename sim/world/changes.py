@@ -1,8 +1,11 @@
-"""What the testbed changes in a robot's own file before it walks, in words."""
+"""What the testbed changes in a robot's own file before it walks, in words.
+
+`changes.toml` has the sentences.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations
 
 import mujoco
@@ -10,6 +13,7 @@ import numpy as np
 
 from models import Robot
 from models.description import ON_JOINT
+from planner.support import shipped_tables
 from sim.scenarios.scenario import Scenario
 from sim.world.motors import added_rotors, undamped_joints
 from sim.world.servos import (
@@ -20,55 +24,32 @@ from sim.world.servos import (
     servo_settings,
 )
 
+SAID: Mapping[str, str] = shipped_tables("sim.world", "changes.toml")
+
 
 def changes(robot: Robot, scenario: Scenario) -> Iterator[str]:
     """One sentence for each change."""
-    spec = robot.read()
-    if others := other_drives(robot):
-        yield (
-            f"actuators {_listed(others)} move leg joints by tendons, sites or bodies; "
-            "they are left out, since every leg joint has a servo"
-        )
-    if bound := couplings(robot):
-        names = [robot.model.eq(n).name or f"number {n + 1}" for n in bound]
-        yield (
-            f"equations {_listed(names)} couple leg joints; they are switched off, "
-            "since every leg joint has a servo"
-        )
+    spec, asked = robot.read(), servo_settings(scenario, robot.card)
     motors = {a.target for a in spec.actuators if a.trntype in ON_JOINT}
-    if replaced := [j for j in joints_without_servo(robot) if j in motors]:
-        yield f"servos replace the motors of joints {_listed(replaced)}"
-    if late := delayed_servos(robot):
-        yield (
-            f"servos of joints {_listed(late)} follow commands through a filter and "
-            "lag behind the others; it is left out"
-        )
-    asked = servo_settings(scenario, robot.card)
-    if added := added_rotors(robot, asked):
-        inertia = f"{next(iter(added.values())):.2g}"
-        yield (
-            f"joints {_listed([*added])} have no armature and would chatter; they "
-            f"get that of a motor behind its gears, {inertia} kg m^2; to set another "
-            'whatever the make, write armature="..." into the file'
-        )
-    if springs := undamped_joints(robot, asked):
-        yield (
-            f"the servos of joints {_listed([*springs])} have no damping, or little "
-            "for a motor; they are critically damped; servo_damping sets another"
-        )
-    feet = [spec.geom(name) for name in robot.card.feet]
-    if wide := [foot.name for foot in feet if foot.margin or foot.gap]:
-        yield (
-            f"feet {_listed(wide)} have a contact margin, which would push them off "
-            "the floor before they touch; it is set to 0"
-        )
+    added, feet = added_rotors(robot, asked), [spec.geom(n) for n in robot.card.feet]
+    bound = [robot.model.eq(n).name or f"number {n + 1}" for n in couplings(robot)]
+    found: dict[str, Sequence[str]] = {  # names of parts by what is done to them
+        "other_drives": other_drives(robot),
+        "couplings": bound,
+        "motors": [j for j in joints_without_servo(robot) if j in motors],
+        "delayed": delayed_servos(robot),
+        "rotors": [*added],
+        "springs": [*undamped_joints(robot, asked)],
+        "wide": [foot.name for foot in feet if foot.margin or foot.gap],
+    }
+    inertia = next(iter(added.values()), 0.0)
+    for what, names in found.items():
+        if names:
+            yield SAID[what].format(names=_listed(names), inertia=inertia)
     own = sorted({float(foot.friction[0]) for foot in feet} - {scenario.friction, 1.0})
     if own and scenario.foot_friction is None:
-        yield (
-            f"the friction of its feet, {', '.join(f'{mu:g}' for mu in own)}, gives "
-            f"way to friction = {scenario.friction:g} of the scenario; set friction "
-            "or foot_friction to keep it"
-        )
+        words = ", ".join(f"{mu:g}" for mu in own)
+        yield SAID["friction"].format(own=words, friction=scenario.friction)
 
 
 def overlaps(robot: Robot) -> Iterator[str]:
@@ -83,11 +64,8 @@ def overlaps(robot: Robot) -> Iterator[str]:
             continue
         pair = model.geom(one).id, model.geom(two).id
         if (apart := mujoco.mj_geomDistance(model, data, *pair, 0.0, np.zeros(6))) < 0:
-            yield (
-                f"feet {one!r} and {two!r} overlap by {-1e3 * apart:.1f} mm where it "
-                "stands; make them smaller, or mount the legs farther apart"
-            )
+            yield SAID["overlap"].format(one=one, two=two, apart=-1e3 * apart)
 
 
-def _listed(names: list[str]) -> str:
+def _listed(names: Sequence[str]) -> str:
     return ", ".join(map(repr, names[:3])) + (", ..." if names[3:] else "")

@@ -12,8 +12,7 @@ from sim.errors import SimulationError, UsageError
 from sim.fitting.estimate import Estimates, Parameter, estimate, pooled
 from sim.fitting.fitting import (
     MAKE,
-    OWN,
-    SHARED,
+    SERVO,
     JointFit,
     fit_joints,
     fit_servos,
@@ -268,7 +267,7 @@ def test_a_card_with_a_setting_that_no_fit_writes_is_refused(fitted, said):
 
 
 def test_cards_may_have_all_settings_that_a_fit_writes():
-    assert {*FITTED} == {*SHARED.values(), *OWN.values(), *OF_THE_BODY}
+    assert {*FITTED} == {*(p.setting for p in SERVO), *OF_THE_BODY}
 
 
 def test_exact_measurements_of_what_looks_the_same_can_still_be_pooled():

@@ -8,7 +8,7 @@ from PIL import ImageDraw
 
 from sim import palette
 from sim.pictures.camera import HEIGHT, VIEWS, WIDTH, camera, view_of
-from sim.pictures.captions import SCALE, SLIPPING, Captions, _results, scale_bar
+from sim.pictures.captions import CARDS, SCALE, Captions, _results, scale_bar
 from sim.pictures.clock import clock
 from sim.pictures.ghost import farthest_ghost
 from sim.pictures.inset import APART, BOX, FILL, RIM, TIP, TOP, inset, magnification
@@ -114,7 +114,7 @@ def test_the_last_card_says_why_feet_slip_farther_than_the_path_is_long(
     other = replace(walk)
     summary = replace(walk.summary, achieved=achieved, verdict="arrived")
     other.__dict__["summary"] = summary
-    assert (_results(other)[-2:] == SLIPPING) == told
+    assert (_results(other)[-2:] == CARDS["slipping"]) == told
 
 
 def test_the_inset_points_ahead_as_the_body_does_in_the_picture(walk, view):
