@@ -41,7 +41,7 @@ from sim.scenarios.scenario import Scenario
 from sim.simulation import simulate
 from sim.world.servos import ServoSettings, servo_settings
 
-LEAD = 0.5  # [rad] by which a command leads a soft or slack servo at most
+AHEAD = 0.5  # [rad] by which commands are ahead of a soft or slack servo at most
 TURNED = 4 * np.pi  # [rad] from the middle, of joints that turn without end
 
 
@@ -88,7 +88,7 @@ class Source:
         for joint, angles in zip(self.joints, found.angles.T, strict=True):
             own, low, high = self.model.joint(joint), angles.min(), angles.max()
             least, most = own.range if own.limited else (-TURNED, TURNED)
-            if low < least - LEAD or high > most + LEAD:
+            if low < least - AHEAD or high > most + AHEAD:
                 what = f"joint {joint!r} is commanded from {low:.3g} to {high:.3g} rad"
                 what += f", and turns from {least:.3g} to {most:.3g} rad"
                 raise UsageError(what, str(self.run.folder), "walk the scenario again")
