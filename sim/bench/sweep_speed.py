@@ -22,7 +22,7 @@ from sim.scenarios.scenario import Scenario
 from sim.simulation import simulate
 from sim.sweeps.file import Sweep
 from sim.sweeps.folder import Shard, SweepFolder
-from sim.sweeps.ledger import OK, Outcome, opened
+from sim.sweeps.ledger import OK, Outcome, opened, software
 from sim.sweeps.sweeping import carry_on, points_of
 from sim.sweeps.worker_pool import Task, numbers, open_pool
 
@@ -116,9 +116,9 @@ def keep_books(folder: str) -> None:
     given = dict(numbers(simulate(scenario, without=WITHOUT).summary))
     blocks = ((("friction",), [(0.5 + 1e-5 * n,) for n in range(LEDGER)]),)
     sweep = Sweep("many", to_table(scenario), {}, blocks, WITHOUT)
-    points, home = points_of(sweep, Shard()), SweepFolder(Path(folder))
+    points, home, own = points_of(sweep, Shard()), SweepFolder(Path(folder)), software()
     with opened(home.ledger) as ledger:
-        ledger.add(Outcome(code, OK, given) for code in points.digests.values())
+        ledger.add(Outcome(code, OK, given, own) for code in points.digests.values())
     carry_on(points, home)
 
 
