@@ -219,8 +219,8 @@ def free_reach(
         swing = farthest * (level - 1) / TRIED_ANGLES
         return Reach(swing, f"beyond which {one!r} and {other!r} would touch", True)
     left = f"where {joint!r} is the first joint to reach an end of its range"
-    if degrees := round(np.rad2deg(pose.angle(joint))):
-        left += f"; at the start it stands at {degrees} degrees"
+    if angle := round(pose.angle(joint), 2):
+        left += f"; at the start it stands at {angle:.2f} rad"
     return Reach(farthest, left, False)
 
 

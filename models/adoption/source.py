@@ -88,7 +88,7 @@ def source_of(name: str, allow_external: bool = False) -> Source:
     path = Path(name)
     if path.is_dir():
         path = _in_folder(path)
-    if not path.is_file():
+    if not path.is_file() or path.suffix.lower() not in (".xml", ".urdf"):
         remedy = "give an MJCF or URDF file, or a folder with one"
         raise UnknownRobotError(f"no such robot: {path}; {remedy}")
     if path.suffix.lower() != ".urdf":

@@ -17,6 +17,7 @@ from .inspection import (
     inspect_model as inspect_model,
 )
 from .makes import (
+    ALSO as ALSO,
     KNOWN_SERVOS as KNOWN_SERVOS,
     servo_of as servo_of,
 )

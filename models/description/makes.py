@@ -42,6 +42,8 @@ def _kind(sheet: dict[str, Any]) -> ServoKind:
 
 
 _SHEETS = shipped_tables("models.description", "makes.toml")
+
+ALSO = {n: make for make, sheet in _SHEETS.items() for n in sheet.pop("also", ())}
 KNOWN_SERVOS = {name: _kind(sheet) for name, sheet in _SHEETS.items()}
 GENERIC = ("pulse", "bus")
 """Servos of no make, to which a data sheet gives torque and speed at least."""
@@ -67,7 +69,7 @@ def servo_of(name: str, given: Mapping[str, float] | None = None) -> ServoKind:
         >>> servo_of("pulse", {"stall_torque": 1.0, "no_load_speed": 6.0}).signal
         'pulse'
     """
-    name, given = name.lower(), given or {}
+    name, given = ALSO.get(name.lower(), name.lower()), given or {}
     if name not in KNOWN_SERVOS:
         raise ValueError(f"it {unknown(name, KNOWN_SERVOS)}")
     if missing := [n for n in NEEDED if name in GENERIC and n not in given]:

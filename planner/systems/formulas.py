@@ -50,7 +50,8 @@ def read_formula(
             raise ValueError(f"{what}, nested ones among them; {MOST_FACTORS} at most")
         return _expression(tree, known, text)
     except UNREADABLE as error:
-        raise ValueError(f"formula {_short(text)} cannot be read: {error}") from None
+        why = getattr(error, "msg", error)  # of a SyntaxError without its place
+        raise ValueError(f"formula {_short(text)} cannot be read: {why}") from None
 
 
 def _short(text: str) -> str:

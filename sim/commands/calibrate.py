@@ -19,6 +19,7 @@ from models.description import (
     board_divider,
     board_rate,
     parse_toml,
+    servo_of,
 )
 from planner.support import read_text
 from sim.commands import options as cli
@@ -58,7 +59,7 @@ def calibrate(options: argparse.Namespace) -> None:
 def _kind(robot: Robot) -> ServoKind:
     card = robot.card.servo
     if card is not None and card.made:
-        return KNOWN_SERVOS[card.made.lower()].with_numbers(card.data)
+        return servo_of(card.made, card.data)
     cli.notice(f"{robot} names no make of servo; pulses of 500 to 2500 us are assumed")
     return KNOWN_SERVOS["pulse"]
 

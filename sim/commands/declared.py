@@ -21,7 +21,8 @@ COMMANDS = shipped_tables("sim.commands", "commands.toml")
 """What is declared about each command, by its name, in the order of help."""
 GUESSES = shipped_tables("sim.commands", "guesses.toml")
 """First guesses that a command line has not, and what is meant by them."""
-SHARED, EVERY, OF_SCENARIOS = (COMMANDS.pop(k) for k in ("shared", "every", "settings"))
+BESIDE = "about", "shared", "every", "settings"  # the tables that declare no command
+ABOUT, SHARED, EVERY, OF_SCENARIOS = map(COMMANDS.pop, BESIDE)
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from sim.commands import options as cli
 from sim.commands.walks import judged
-from sim.endings import again, keeping
+from sim.endings import again, command, keeping
 from sim.errors import ExitCode, UsageError
 from sim.evaluation.quantities import describe_export
 from sim.folder import blamed_on, require_free
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from sim.export.source import Source
 
 RATE = 50.0  # commands a second of a walk without a rate, as most hobby servos take
+ASSUMED = "mounting assumed: channels in the order of joints, senses +, centres alike"
 COARSE = (
     "this walk was planned for servos that take a command every physics step; plan it "
     "for yours with --set servo=NAME, or with --set command_rate={rate:g}"
@@ -135,6 +136,9 @@ def _written(
     table = servos(source, kind, given, microseconds=pulses, rate=rate)
     commands = source.commands(rate)
     write(out, kind, source, commands, table)
+    if kind == "header" and table.assumed:
+        measures = command("calibrate", source.run.scenario.robot)
+        cli.notice(f"{ASSUMED}; {measures} measures it")
     finest = max(channel.counts_per_radian for channel in table.channels)
     coarse = 1 / finest if kind in ("header", "dynamixel") else 0.0
     return commands, read(out, kind, table), coarse

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
 from itertools import count
+from math import hypot, radians, tau
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
     from sim.logs.log import Log, Readers
     from sim.scenarios.scenario import Scenario
 
+FAR = 5.0  # [m], 20 times the reach of shipped robots; others may mean millimetres
+
 
 def scenario_of(options: argparse.Namespace) -> Scenario:
     """The scenario that the command line asks for.
@@ -36,7 +39,7 @@ def scenario_of(options: argparse.Namespace) -> Scenario:
     source = options.scenario
     of_robot = Path(source).suffix in (".xml", ".urdf")
     known = source in shipped_scenarios() or (Path(source).exists() and not of_robot)
-    if not known and (meant := command_for(source)):
+    if not known and (meant := command_for(source, options.execute.name)):
         raise UsageError(f"{source!r} is no scenario", "SCENARIO", f"try {meant}")
     overrides, given = settings_of(options), given_settings(options)
     for key, option in given.items():
@@ -44,7 +47,18 @@ def scenario_of(options: argparse.Namespace) -> Scenario:
             where = f"{option} and --set {key}"
             raise UsageError(f"{key} is given twice", where, "keep one of them")
         overrides[key] = getattr(options, key)
-    return load_scenario(source, overrides)
+    scenario = load_scenario(source, overrides)
+    *place, yaw = scenario.path.goal
+    tell_radians("yaw", yaw)
+    if (far := hypot(*place)) > FAR:
+        notice(f"x and y are in metres: the goal is {far:g} m away")
+    return scenario
+
+
+def tell_radians(name: str, angle: float) -> None:
+    """Say in which unit an angle is, where it looks like degrees."""
+    if abs(angle) > tau:
+        notice(f"{name} is in radians: {angle:g} degrees is {radians(angle):.5g}")
 
 
 def command_for(name: str, robots: str = "run") -> str:
@@ -60,7 +74,7 @@ def command_for(name: str, robots: str = "run") -> str:
     meant |= {name: f"{robots} line --robot {name}" for name in shipped_robots()}
     meant |= GUESSES["names"]
     if Path(name).suffix in (".xml", ".urdf"):
-        meant[name] = f"run line --robot {name}"
+        meant[name] = f"{robots} line --robot {name}"
     return f"stratawalk {meant[name]}" if name in meant else ""
 
 

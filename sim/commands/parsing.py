@@ -13,19 +13,14 @@ from itertools import dropwhile
 from typing import NoReturn
 
 from planner.support import did_you_mean
-from sim.commands.declared import COMMANDS, GUESSES, declare
+from sim.commands.declared import ABOUT, COMMANDS, GUESSES, declare
 from sim.commands.options import command_for, report
+from sim.endings import again
 from sim.errors import UsageError, is_text
-from sim.scenarios.declaration import read
+from sim.scenarios.declaration import read, words as words_of
 from sim.scenarios.settings import SETTINGS
 
-DESCRIPTION = "Plan how a legged robot walks from its equations, and walk it in MuJoCo."
-EPILOG = (
-    "`stratawalk help COMMAND` explains a command, `stratawalk scenarios line` the "
-    "settings; docs/glossary.md defines the terms."
-)
 OPTIONS = ("-h", "--help", "--version")  # that need no command
-SAME = {"version": "--version", "-V": "--version"}
 PLACE = "stratawalk"
 SWEPT = "for a sweep, list values in a file under [grid], as docs/sweeps.md shows"
 
@@ -37,7 +32,10 @@ class Parser(argparse.ArgumentParser):
         """Raise instead of printing and exiting."""
         lacking = message.removeprefix("the following arguments are required: ")
         if lacking != message:
-            raise UsageError(f"{lacking} missing", self.prog, str(self.epilog))
+            remedy, begun = str(self.epilog), again().removeprefix(self.prog)
+            if lacking.removesuffix("|SYSTEM") == "SCENARIO" and begun:
+                remedy = f"for example: {self.prog} line{begun}"
+            raise UsageError(f"{lacking} missing", self.prog, remedy)
         name, _, why = message.removeprefix("argument ").partition(": ")
         whole = r"\1 is not allowed; give a whole number"
         why = re.sub("invalid int value: (.*)", whole, why)
@@ -58,6 +56,9 @@ class Parser(argparse.ArgumentParser):
                 _refuse_option(word, words[place + 1 :], self.prog, own)
         given, rest = super().parse_known_args(args, namespace)
         for begun in getattr(given, "set", ()):
+            if begun.startswith("goal="):
+                remedy = f"write --set {goal_setting([begun[5:], *rest])}"
+                raise UsageError("the goal is that of the path", "--set", remedy)
             if "=" not in begun and rest:
                 remedy = f"write --set {begun}={rest[0]}"
                 raise UsageError(f"{begun} has no value", "--set", remedy)
@@ -67,10 +68,10 @@ class Parser(argparse.ArgumentParser):
         for place, word in enumerate(rest):
             if word.startswith("-"):
                 _refuse_option(word, rest[place + 1 :], self.prog, own)
-            self._refuse_word(word)
+            self._refuse_word(word, ["", *words][words.index(word)])
         return given, rest
 
-    def _refuse_word(self, word: str) -> NoReturn:
+    def _refuse_word(self, word: str, before: str) -> NoReturn:
         """Say which option a word is a choice of, or how the command is written."""
         from models import shipped_robots
 
@@ -83,6 +84,9 @@ class Parser(argparse.ArgumentParser):
             if action.option_strings and called in map(str, choices):
                 meant = f"write {action.option_strings[-1]} {called}"
                 raise UsageError(f"{word!r} stands alone", self.prog, meant)
+        if before in self._option_string_actions:
+            what, remedy = f"{before} {word}", f"{before} stands alone"
+            raise UsageError(f"{what} has a word too many", self.prog, remedy)
         remedy = self.epilog or f"see {self.prog} --help"
         raise UsageError(f"{word!r} is one word too many", self.prog, remedy)
 
@@ -108,9 +112,7 @@ class Version(argparse.Action):
 
 def parser() -> Parser:
     """The command line of every command."""
-    stratawalk = Parser(
-        "stratawalk", description=DESCRIPTION, epilog=EPILOG, allow_abbrev=False
-    )
+    stratawalk = Parser("stratawalk", **ABOUT, allow_abbrev=False)
     stratawalk.add_argument(
         "--version", action=Version, nargs=0, help="print the version and end"
     )
@@ -130,7 +132,7 @@ def as_meant(words: Sequence[str]) -> list[str]:
     if not (words := [*dropwhile(PLACE.__eq__, words)]):
         return ["--help"]
     first, *rest = words
-    first = SAME.get(first, first)
+    first = GUESSES["same"].get(first, first)
     if first == "help":
         return as_meant([*rest[:1], "--help"])
     if first.startswith("-") and first not in OPTIONS:
@@ -196,11 +198,15 @@ def _refuse_option(
 ) -> NoReturn:
     """Refuse an option, and say what does it: another one, or a setting."""
     option, equals, value = word.partition("=")
+    first, spaced, more = word.partition(" ")
+    if spaced and first in known:
+        remedy = f"write two words: {first} {shlex.quote(more)}"
+        raise UsageError(f"{word!r} is one word", where, remedy)
     name = option.lstrip("-").replace("-", "_")
     settings = [f"--{key}" for key in SETTINGS if "--set" in known]
     given = value if equals else " ".join(rest[:1]) or "VALUE"
-    one = "1" if given == "VALUE" else given
-    words = {"goal": goal_setting([value, *rest]), "value": one}
+    one, out = ("1", "NAME") if given == "VALUE" else (given, shlex.quote(given))
+    words = {"goal": goal_setting([value, *rest]), "value": one, "out": out}
     remedy = GUESSES["options"].get(name, "").format_map(words)
     if remedy.startswith("write --") and remedy.split()[1] not in known:
         remedy = ""
@@ -221,7 +227,8 @@ def _refuse_option(
     if nearest and f"--{nearest[0]}" not in known:
         key, *_ = nearest
         item = SETTINGS[key]
-        remedy = remedy or f"write --set {_given(key, given)} ({item.allowed})"
+        about = "" if item.allowed == words_of(str) else f" ({item.allowed})"
+        remedy = remedy or f"write --set {_given(key, given)}{about}"
     elif nearest:
         remedy = remedy or f"did you mean '--{nearest[0]}'?"
     listed = f"{where} --help lists all options"

@@ -17,7 +17,6 @@ from planner import (
     BudgetError,
     Plan,
     RangeError,
-    StratumError,
     load_plan,
     rollout,
     save_plan,
@@ -50,12 +49,7 @@ if TYPE_CHECKING:
 ARROWS = 5  # states in pictures for which one arrow is drawn
 HEADINGS = ("theta", "theta_0", "heading")  # names of coordinates that are headings
 Outcome = tuple[Plan, Report]
-FOR_ROBOTS = dict.fromkeys(("robot", "fields", "steer"), "leave it out")
 BY_ELEMENTS = ("elements", "degree", "words", "replan")  # not in chained form
-SETTLED = dict.fromkeys(
-    ("start", "goal", *BY_ELEMENTS, "segments", "set", "gait", "optimise", "free"),
-    "leave it out",
-)
 
 
 def plan(options: argparse.Namespace) -> None:
@@ -116,11 +110,11 @@ def _is_for_systems(options: argparse.Namespace) -> bool:
     """Whether no scenario is to be planned; options for the other kind are refused."""
     source = options.scenario
     if source.endswith(".json"):
-        _refuse(options, SETTLED, "cannot change a saved plan")
+        _refuse(options, GUESSES["saved"], "cannot change a saved plan")
     elif not is_system(source, shipped_scenarios()):
         _refuse(options, GUESSES["scenarios"], "is for systems")
         return False
-    _refuse(options, FOR_ROBOTS, "is for robots")
+    _refuse(options, GUESSES["systems"], "is for robots")
     if options.out is not None:
         new_file(Path(options.out), "picture", ".png", ".svg", ".pdf")
     if options.save == "":
@@ -164,11 +158,10 @@ def _system(options: argparse.Namespace, progress: Progress) -> Outcome:
             "gait": options.gait and tuple(options.gait),
             "in_gait": bool(options.gait) or None,
         }
-        try:
-            given = {k: v for k, v in changes.items() if v is not None}
-            wanted = replace(wanted, **given)
-        except StratumError as error:
-            raise ValueError(str(error)) from error
+        for name in set(HEADINGS) & set(changes["goal"] or {}):
+            cli.tell_radians(name, changes["goal"][name])
+        given = {k: v for k, v in changes.items() if v is not None}
+        wanted = replace(wanted, **given)
         objective = options.optimise or "none"
         if options.free and objective == "none":
             remedy = "give --optimise as well, or leave it out"

@@ -19,7 +19,6 @@ from models import (
     shipped_robots,
     source_of,
 )
-from planner.support import whole_file
 from sim.commands import options as cli
 from sim.endings import command
 from sim.errors import UsageError
@@ -67,12 +66,8 @@ def adopt(options: argparse.Namespace) -> None:
         f"no card was found within {BUDGET:g} s of processor time: {options.robot}; "
         "leave parts out, or write its card by hand as docs/robots.md has it"
     )
-    try:
-        with processor_time(BUDGET, too_long):
-            source, draft, setup, written = _adopted(options)
-    except FileExistsError as error:
-        remedy = "move it away: adopt overwrites no file"
-        raise UsageError("already exists", str(error.filename), remedy) from error
+    with processor_time(BUDGET, too_long):
+        source, draft, setup, written = _adopted(options)
     found, files = facts_of(setup), [str(path) for path in written]
     path, external = source.path, setup.robot.opened.external
     facts = {"written": files, "guesses": draft.guesses, "robot": found}
@@ -87,13 +82,15 @@ def _adopted(options: argparse.Namespace) -> tuple[Source, Draft, Setup, list[Pa
     source = source_of(options.robot, options.allow_external)
     card, picture = source.path.with_suffix(".toml"), source.path.with_suffix(".png")
     model = [] if source.text is None else [source.path]
-    for path in filter(os.path.lexists, (card, picture, *model)):
-        raise FileExistsError(0, "", str(path))  # a link may lead anywhere
+    taken = filter(os.path.lexists, (card, picture, *model))  # also as a link
+    if names := " and ".join(map(str, taken)):
+        remedy = "move away what is there: adopt overwrites no file"
+        raise UsageError("already exists", names, remedy)
     with cli.working(options, "finding the legs"):
         draft = draft_card(source)
     from sim.figures.mechanism import save_standing  # loads matplotlib
 
-    with whole_file(card, new=True) as part:  # of two at once, one goes on
+    with whole(card, new=True) as part:  # of two at once, one goes on
         part.write_text(draft.card, "utf-8")
     try:
         if source.text is not None:

@@ -36,6 +36,9 @@ PAGES = (".html", ".htm")
 def sweep(options: argparse.Namespace) -> ExitCode:
     """Walk what is not done yet, write the table, and say what failed."""
     asked = read_sweep(options.file)
+    if options.out is None:
+        remedy = f"add --out sweeps/{asked.name}"
+        raise UsageError("--out missing", "stratawalk sweep", remedy)
     shard = options.shard or Shard()
     workers, scheduler = options.workers, options.scheduler
     if workers and scheduler is not None:

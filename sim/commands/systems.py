@@ -44,7 +44,8 @@ def systems(options: argparse.Namespace) -> None:
 
     asked = options.system
     if asked is not None and asked not in SYSTEMS:
-        raise UsageError("no such system", asked, did_you_mean(asked, SYSTEMS))
+        remedy = f"{did_you_mean(asked, SYSTEMS)}; `check` and `plan` read files"
+        raise UsageError("no such system is shipped", asked, remedy)
     facts, lines = [], []
     for name in SYSTEMS if asked is None else (asked,):
         of, given = shipped_system(name), parameters(name)
@@ -120,12 +121,13 @@ def coordinates(words: Sequence[str], option: str) -> dict[str, float]:
 def refused(where: str) -> Iterator[None]:
     """Turn errors of bad arguments into errors of the command line, word by word."""
     from models import ProblemError
+    from planner import StratumError
 
     try:
         yield
     except (StratawalkError, ProblemError):
         raise
-    except ValueError as error:
+    except (ValueError, StratumError) as error:
         raise UsageError.at(where, error, "see docs/systems.md") from error
 
 

@@ -22,7 +22,7 @@ from sim.evaluation.deviations import Scale, error_sources
 from sim.evaluation.motions import Achieved
 from sim.evaluation.summary import Weighed
 from sim.motion.prediction import Prediction
-from sim.scenarios.predictions import IDEAL, PREDICTIONS, prediction_key
+from sim.scenarios import predictions
 from sim.walking.finished import Walk
 from sim.world.motors import inertia_share
 
@@ -90,13 +90,22 @@ def _on_paper(evidence: Evidence) -> str:
     share = evidence.on_paper(judge)
     if scenario.replan or share <= (evidence.weighed.goal or 0.0) / 2:
         return ""
-    facts = {"percent": 100 * share, "label": PREDICTIONS[judge].label}
+    facts = {"percent": 100 * share, "label": predictions.PREDICTIONS[judge].label}
+    followed = predictions.prediction_key(scenario.steer) == judge
+    others = {name.key for name in predictions.JUDGES} & evidence.predicted.keys()
+    agree = all(evidence.on_paper(key) <= share / 2 for key in others - {judge})
+    if agree and judge == predictions.COMPLIANT.key and not followed:
+        names = ", ".join(predictions.known_of(scenario))
+        led = Drive(evidence.walk.setup).feeds_forward
+        drives = [*evidence.drives.values()]
+        softest = evidence.walk.setup.model.actuator_gainprm[drives, 0].min()
+        kind = "known" if names else "led" if led else "left"
+        return say("on_paper", kind, names=names, stiffness=softest, **facts)
     groups = evidence.walk.setup.robot.card.groups.values()
     if scenario.fields == "paper" and not any(group.twist for group in groups):
         # a card that gives twists claims them as the paper does
         return say("on_paper", "dragging", **facts)
-    followed = prediction_key(scenario.steer) == judge
-    if followed or evidence.on_paper(IDEAL.key) > share / 2:
+    if followed or evidence.on_paper(predictions.IDEAL.key) > share / 2:
         return say("on_paper", "coarse", twice=2 * scenario.segments, **facts)
     return say("on_paper", "other", **facts)
 
@@ -207,7 +216,7 @@ def _hasty(evidence: Evidence) -> str:
 def _unknown(evidence: Evidence) -> str:
     """Settings that the prediction, and with it the plan, knows nothing of."""
     scenario, judge = evidence.walk.setup.scenario, evidence.weighed.prediction
-    names = PREDICTIONS[judge].ignored(scenario)
+    names = predictions.PREDICTIONS[judge].ignored(scenario)
     tried = scenario.replan or scenario.correct > 1 or scenario.motion is not None
     return names and say("still_unknown" if tried else "unknown", names=names)
 

@@ -51,6 +51,7 @@ def write_header(
         name=name,
         NAME=name.upper(),
         title=in_comment(title),
+        assumed=table.assumed,
         commands=len(counts),
         joints=len(numbers),
         rate=float(commands.rate),

@@ -60,6 +60,7 @@ class ServoTable:
     frame_rate: float = 0.0  # pulses a second; 0 for servos on a bus
     clock: float = BOARD_CLOCK  # of the board that gives them [Hz]
     microseconds: bool = False  # of a pulse instead of counts
+    assumed: bool = False  # channels and senses of servos that nobody has described
 
     def __post_init__(self) -> None:
         for before, servo in pairwise(self.channels):
@@ -148,6 +149,7 @@ def servo_table(
         largest=(FRAME if pwm else max(ticks, TURN if known else 0)) - 1,
         frame_rate=make.command_rate if make and pwm else 0.0,
         clock=card.board_clock,
+        assumed=not known.keys() >= set(joints),
     )
 
 

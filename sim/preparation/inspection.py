@@ -32,7 +32,7 @@ from sim.preparation.setup import Setup
 from sim.scenarios.scenario import Scenario
 from sim.world.changes import changes, overlaps
 from sim.world.model import World, build, load as load_world
-from sim.world.servos import joints_without_servo, servo_settings
+from sim.world.servos import SOFT_STIFFNESS, joints_without_servo, servo_settings
 
 Facts = dict[str, Any]
 
@@ -85,10 +85,13 @@ def _servos(scenario: Scenario, kinematics: Kinematics, world: World) -> Facts:
     model = load_world(world)
     lifts = [actuator_of(model, joint) for joint in robot.lift_joints]
     weakest = float(model.actuator_forcerange[lifts, 1].min())  # 0 without a limit
+    drives = [actuator_of(model, joint) for joint in robot.card.joints]
+    softest = float(model.actuator_gainprm[drives, 0].min())
+    own = asked.name == "ideal" and softest < SOFT_STIFFNESS  # of the robot's file
     makes = sorted((kind.stall_torque, name) for name, kind in SERVO_KINDS.items())
     return {
-        "name": asked.name,
-        "stiffness": asked.stiffness or (world.servo[0] if world.servo else None),
+        "name": "own" if own else asked.name,
+        "stiffness": softest,
         "torque": asked.torque or weakest or None,
         "joint": robot.lift_joints[leg],
         "stratum": strata[stratum],

@@ -147,7 +147,9 @@ def reading(folder: Path) -> Iterator[None]:
             named = sorted(Path("runs").glob(f"{escape(folder.name)}*"))
             if folder.name in shipped_scenarios():
                 remedy = f"walk it first: stratawalk run {folder.name}"
-            if named:
+            if (folder.parent / "summary.json").is_file():
+                remedy = f"give its folder, {folder.parent}"
+            elif named:
                 remedy = f"did you mean {named[-1]}?"
             raise UsageError("no such run folder", str(folder), remedy)
         if lacks := {"scenario.toml", "summary.json"}.difference(os.listdir(folder)):

@@ -86,9 +86,9 @@ def scenario_from(
         _replace(values, key, value)
     if values.get("path") != given.get("path") and "description" not in overrides:
         values.pop("description", None)
-    if "strata" in values:
+    if "state" in values or "strata" in values:
         what = "a system of strata is no scenario"
-        raise UsageError(what, where, "use the commands plan and check on it")
+        raise UsageError(what, where, "plan or check it, with tables [strata.NAME]")
     for key in values:
         if key == "scenario":
             remedy = f"stratawalk sweep {where} --out sweeps/{Path(where).stem}"

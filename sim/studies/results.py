@@ -122,6 +122,8 @@ def read_results(path: Path, prediction: str = "") -> Results:
     If none is named, it is the one that most verdicts of the table are by.
     """
     file = SweepFolder(path).table if path.is_dir() else path
+    if path.suffix == ".toml" and path.is_file():
+        raise UsageError("not swept yet", str(path), "give stratawalk sweep this file")
     columns, about = read_table(file)
     asked = about.get("asked") if isinstance(about, dict) else None
     vary = asked.get("vary") if isinstance(asked, dict) else None

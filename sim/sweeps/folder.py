@@ -176,8 +176,8 @@ def claim(out: Path, shard: Shard, resume: bool) -> SweepFolder:
     """
     folder = SweepFolder(out, shard)
     begun = folder.about.exists() or folder.ledger.exists()
-    foreign = out.exists()
-    if out.is_dir():
+    foreign = out.exists() and not begun
+    if out.is_dir() and not begun:
         empty_will_do = resume or shard.count > 1
         ours = any(out.glob("sweep*")) or (empty_will_do and not any(out.iterdir()))
         foreign = not ours

@@ -1,6 +1,9 @@
 // {{ title }}
 // {{ commands }} commands of {{ joints }} servos, {{ rate }} a second; {{ size }} bytes.
 // Pulses {{ unit }} at {{ frame_rate }} frames a second, in the order of the channels:
+{% if assumed %}
+// Mounting ASSUMED: these channels, all senses +, centres alike; stratawalk calibrate ROBOT measures it.
+{% endif %}
 {{ listed }}
 /* A player for Arduino, with the Adafruit PWM Servo Driver Library:
 

@@ -17,6 +17,7 @@ import numpy as np
 
 from models import Card, ModelError, Robot, ServoKind
 from models.description import (
+    ALSO,
     KNOWN_SERVOS,
     ON_JOINT,
     actuator_of,
@@ -107,7 +108,7 @@ def _kind(name: str, data: Mapping[str, float], scenario: Scenario) -> ServoKind
         remedy = 'give kind under [servo] in the card, or servo = "ideal"'
         what = "servo = 'own', but the robot's card names no make"
         raise UsageError(what, where, remedy)
-    if name.lower() not in KNOWN_SERVOS:
+    if name.lower() not in (*KNOWN_SERVOS, *ALSO):
         remedy = did_you_mean(name.lower(), ("ideal", "own", *KNOWN_SERVOS))
         raise UsageError(f"servo = {name!r} is unknown", where, remedy)
     try:

@@ -28,6 +28,22 @@ from sim.cli import main
         ("run line --seed=random", "write --set seed=random (a whole number"),
         ("run line set friction=0.5", "write --set"),
         ("export line format csv", "--out missing: stratawalk export; for example"),
+        ("plan car -o a.png", "write --out a.png"),
+        ("run line -o", "write --out NAME"),
+        ("run line --set goal=[0.1,0,0]", "write --set 'path.goal=[0.1, 0, 0]'"),
+        ("run line --replan true", "--replan stands alone"),
+        ("run --robot hexapod", "for example: stratawalk run line --robot hexapod"),
+        ("drive", "for example: stratawalk drive line --robot hexapod --pace 0"),
+        ("sweep foo", "unknown sweep 'foo'"),
+        ("sweep legs", "--out missing: stratawalk sweep; add --out sweeps/legs"),
+        (
+            "export mine.xml --format csv --out a.csv",
+            "stratawalk export line --robot m",
+        ),
+        ("plan bare.toml", "plan or check it, with tables [strata.NAME]"),
+        ("systems bare.toml", "`check` and `plan` read files"),
+        ("study sweep.toml", "give stratawalk sweep this file"),
+        ("show a/report.html", "give its folder, a"),
         ("figures fig3", "write --only quadruped"),
         ("figures --fig 3", "write --only line"),
         ("cite --bibtex", "stratawalk cite prints BibTeX"),
@@ -45,6 +61,46 @@ def test_a_further_guess_is_answered_with_a_command_that_works(
     words, meant, tmp_path, monkeypatch, capsys
 ):
     monkeypatch.chdir(tmp_path)
+    (tmp_path / "bare.toml").write_text('state = ["x"]\ngoal = { x = 1 }\n')
+    (tmp_path / "sweep.toml").write_text('scenario = "line"\n')
+    (tmp_path / "a").mkdir()
+    for name in ("summary.json", "report.html"):
+        (tmp_path / "a" / name).touch()
     assert main(words.split()) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert meant in line
+
+
+@pytest.mark.parametrize(
+    ("words", "meant"),
+    [
+        (["run", "line", "--set servo=mg90"], "two words: --set servo=mg90\n"),
+        (["run", "line", "--servo", "mg90"], "write --set servo=mg90\n"),
+    ],
+)
+def test_what_is_to_be_pasted_ends_the_line(words, meant, capsys):
+    assert main(words) == 2
+    assert capsys.readouterr().err.endswith(meant)
+
+
+@pytest.mark.parametrize(
+    ("goal", "told"),
+    [
+        ("[0.1, 0, 90]", "yaw is in radians: 90 degrees is 1.5708"),
+        ("[20, 20, 0]", "x and y are in metres: the goal is 28.2843 m away"),
+        ("[0.1, 0.2, 3.1]", ""),
+    ],
+)
+def test_a_goal_that_looks_like_degrees_or_millimetres_is_told_its_units(
+    goal, told, capsys
+):
+    main(["plan", "line", "--set", f"path.goal={goal}", "--segments", "1", "--json"])
+    out, err = capsys.readouterr()
+    notices = [line for line in err.splitlines() if ": notice:" in line]
+    assert notices == [f"stratawalk: notice: {told}"] * bool(told)
+    assert "notice" not in out
+
+
+def test_a_heading_of_a_system_that_looks_like_degrees_is_told_its_unit(capsys):
+    assert main(["plan", "unicycle", "--goal", "theta=90", "--segments", "40"]) == 0
+    assert "theta is in radians: 90 degrees is 1.5708" in capsys.readouterr().err

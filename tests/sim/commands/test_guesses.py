@@ -144,7 +144,7 @@ def test_a_slip_of_the_finger_is_answered_with_what_was_meant(words, meant, caps
         ("figures --only 6", "did you mean 'line'?"),
         ("run line ellipse", "one word too many: stratawalk run; for example"),
         ("robots hexapod quadruped", "one word too many: stratawalk robots; see"),
-        ("run line -o there", "write --out FOLDER"),
+        ("run line -o there", "write --out there"),
         ("run --scenario line", "stratawalk run line"),
         ("check --robot hexapod", "stratawalk check hexapod"),
         ("run line --gui", "then stratawalk view"),

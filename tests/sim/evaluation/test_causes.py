@@ -175,6 +175,38 @@ def test_a_plan_that_misses_on_paper_asks_for_segments_or_another_prediction(evi
     assert "the plan itself" not in none
 
 
+def planned_soft(evidence, *names):
+    """The compliant prediction as judge, which ends aside, as others of these names."""
+    predicted = {**evidence.predicted, "compliant": evidence.predicted["quasi_static"]}
+    soft = replace(evidence, predicted=predicted)
+    aside = planned_aside(soft, "compliant", *names)
+    weighed = replace(aside.weighed, prediction="compliant")
+    return replace(aside, weighed=weighed)
+
+
+def test_servos_that_yield_are_named_where_the_compliant_prediction_alone_misses(
+    evidence,
+):
+    found = likely_cause("missed", planned_soft(evidence))
+    assert "the plan reaches the goal on stiff servos" in found
+    assert "these, of 1000 N m/rad, yield under load and miss it by 40" in found
+    assert "(--steer compliant), let commands make up for it (--set feed_f" in found
+    servo = replace(evidence.walk.setup.servo, feed_forward=True)
+    led = likely_cause("missed", with_setup(planned_soft(evidence), servo=servo))
+    assert "although commands allow for loads" in led
+    assert "feed_forward" not in led
+    loaded = with_settings(planned_soft(evidence), payload=(0.1, 0.0, 0.0, 0.0))
+    assert "reaches the goal without payload" in likely_cause("missed", loaded)
+
+
+def test_servos_are_no_cause_where_others_miss_as_well_or_it_was_steered_by(evidence):
+    both = likely_cause("missed", planned_soft(evidence, "quasi_static"))
+    steered = with_settings(planned_soft(evidence), steer="compliant")
+    for said in (both, likely_cause("missed", steered)):
+        assert "the plan itself misses" in said
+        assert "yield" not in said
+
+
 @pytest.mark.parametrize(
     ("foreseen", "remedy"), [(0.45, "--steer quasi-static"), (0.55, "--segments 2")]
 )

@@ -148,3 +148,13 @@ def test_rows_are_packed_by_what_changes_and_unpacked_as_they_were():
     assert (unpack(packed, 18) == counts).all()
     assert len(packed) < 200 * (1 + 3 + 18) + 3 * 4
     assert (unpack(pack(np.zeros((3, 2), dtype=int)), 2) == 0).all()
+
+
+def test_a_header_says_where_its_mounting_is_assumed(commands):
+    angles = ServoCommands(JOINTS, 60.0, 0.1 * commands.angles)
+    guessed, known = (
+        write_header(angles, t, **TITLE)
+        for t in (table(), table(given=dict.fromkeys(JOINTS, JointServo())))
+    )
+    assert "// Mounting ASSUMED: these channels" in guessed
+    assert "ASSUMED" not in known

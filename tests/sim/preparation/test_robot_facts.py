@@ -44,6 +44,24 @@ def test_a_negative_margin_at_rest_is_explained_where_there_is_one(
 
 
 @pytest.mark.parametrize(
+    ("stiffness", "told"),
+    [(4.0, "own, 4 N m/rad, "), (1000.0, "ideal, 1000 N m/rad, ")],
+)
+def test_soft_servos_of_a_file_are_told_as_its_own_with_their_stiffness(
+    tmp_path, stiffness, told
+):
+    robot = load("hexapod")
+    path = tmp_path / "soft.xml"
+    path.write_text(robot.path.read_text().replace('kp="1000"', f'kp="{stiffness}"'))
+    path.with_suffix(".toml").write_text(robot.card_text)
+    one = load_scenario("line", {"robot": str(path)})
+    assert inspected(one, load(str(path)))["servos"]["stiffness"] == stiffness
+    assert f"servos      {told}" in render(
+        "robot.txt", **inspected(one, load(str(path)))
+    )
+
+
+@pytest.mark.parametrize(
     ("servo", "told", "some"),
     [
         ("ideal", "without a largest torque, unlike any real servo", "mg996r"),

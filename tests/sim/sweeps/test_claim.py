@@ -26,6 +26,13 @@ def test_a_sweep_of_which_anything_is_written_down_is_not_begun_again(holding, l
     assert claim(folder, Shard(), resume=True).path == folder
 
 
+def test_a_ledger_alone_is_a_sweep_to_go_on_with(holding):
+    folder = holding("ledger.jsonl")
+    assert claim(folder, Shard(), resume=True).path == folder
+    with pytest.raises(UsageError, match="give --resume to go on with it"):
+        claim(folder, Shard(), resume=False)
+
+
 def test_a_sweep_that_was_ended_before_it_wrote_anything_is_begun(holding):
     assert claim(holding("sweep.lock"), Shard(), resume=False).about.name
 
