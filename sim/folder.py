@@ -165,7 +165,11 @@ def new_file(path: Path, kind: str, *endings: str) -> Path:
 def require_free(path: Path | str, option: str = "") -> None:
     """Refuse a name that a file, or a link to nowhere, has already."""
     if os.path.lexists(path):
-        remedy = f"give {option} another name" if option else "give another name"
+        remedy = (
+            f"give {option} another name"
+            if option
+            else "give another name, or move it away"
+        )
         raise UsageError("already exists", str(path), remedy)
 
 
@@ -227,7 +231,7 @@ def _writing(
         try:
             yield
         except FileExistsError as error:
-            remedy = "give another name"
+            remedy = "give another name, or move it away"
             raise UsageError("already exists", str(path), remedy) from error
         except OSError as error:
             if error.errno not in (errno.ENOSPC, errno.EDQUOT):

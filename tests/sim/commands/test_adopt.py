@@ -74,7 +74,7 @@ def test_of_two_that_adopt_a_robot_at_once_the_second_is_refused(
 
     monkeypatch.setattr(robots, "draft_card", slowly)
     assert main(["adopt", str(path)]) == 2
-    assert "spider.toml; move it away: adopt" in capsys.readouterr().err
+    assert "spider.toml; give another name, or move it away" in capsys.readouterr().err
     assert (tmp_path / "spider.toml").read_text() == "of the first"
     assert names(tmp_path) == ["spider.toml", "spider.xml"]
 
