@@ -165,11 +165,7 @@ def new_file(path: Path, kind: str, *endings: str) -> Path:
 def require_free(path: Path | str, option: str = "") -> None:
     """Refuse a name that a file, or a link to nowhere, has already."""
     if os.path.lexists(path):
-        remedy = (
-            f"give {option} another name"
-            if option
-            else "give another name, or move it away"
-        )
+        remedy = f"give {option} another name" if option else "give another name"
         raise UsageError("already exists", str(path), remedy)
 
 
