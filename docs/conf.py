@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import ast
 import inspect
+import re
 import tomllib
 from importlib import import_module
 from pathlib import Path
@@ -56,13 +57,16 @@ OUTSIDE = {  # files beside this folder that are pages of the site, too
     "CHANGELOG.md": "changelog.md",
 }
 PLAIN = ("LICENSE", "CITATION.cff")
+# A link of Markdown to a page of _static, which Sphinx would offer as a download.
+BY_HAND = re.compile(r"\[([^\[\]]+)\]\(([./]*_static/[\w-]+\.html)\)")
 
 
 def read_outside(app: Any, docname: str, source: list[str]) -> None:
-    """Fill the pages that stand for files beside this folder, links set right."""
+    """Fill the pages that stand for files beside this folder, and set links right."""
     for name, page in OUTSIDE.items():
         if f"{docname}.md" == page:
             source[0] = _moved((ROOT / name).read_text())
+    source[0] = BY_HAND.sub(r"<a href='\2'>\1</a>", source[0])
 
 
 def _moved(text: str) -> str:

@@ -103,11 +103,11 @@ def finish(figure: Figure, heading: str, keys: list[Key], note: str = "") -> Dra
     return Drawing(re.sub(r"\n\s*", "\n", body), heading, keys, note, box)
 
 
-def stretches(run: Run) -> Array:
+def stretches(run: Run, few: bool | None = None) -> Array:
     """First rows of the segments, or of the phases of a walk with few segments."""
     phase = np.clip(run.phase, 0, len(run.phases) - 1)
     segment = np.array([p.segment for p in run.phases])[phase]
-    part = segment if segment[-1] + 1 >= FEW else phase
+    part = phase if (run.segments < FEW if few is None else few) else segment
     return np.flatnonzero(np.diff(part, prepend=-1))
 
 

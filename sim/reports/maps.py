@@ -22,6 +22,7 @@ from sim.palette import (
     Style,
 )
 from sim.reports.drawing import (
+    FEW,
     NOTES,
     Drawing,
     Key,
@@ -83,7 +84,7 @@ def errors(run: Run) -> Iterator[Drawing]:
     starts = stretches(run)
     last = np.append(starts[1:], len(run.time)) - 1
     length = MM * run.summary.path_length
-    done = _shares(run) * (length or len(starts))
+    done = np.linspace(0, length or len(starts), len(starts) + 1)
     marks = {name: PREDICTED[name] for name in run.compared}
     for way, word in enumerate(WAYS):
         with sheet(ERROR_HEIGHT, MAP_WIDTH) as (figure, axes):
@@ -126,14 +127,15 @@ def overlaid(runs: Sequence[tuple[str, Run]]) -> Iterator[Drawing]:
         note = "" if runs[0][1].scenario.motion else NOTES["plan"]
         yield finish(figure, heading, [*known.values(), *names], note)
     best = best_of([run for _, run in runs])
+    few = any(run.segments < FEW for _, run in runs)  # then phases, for all runs
     for what, key in ((best, ""), ("the measured body", "measured")):
         if not all((key or run.best) in run.compared for _, run in runs):
             continue
         with sheet(HEIGHTS[1] / 1.6, MAP_WIDTH) as (figure, axes):
             for (_, run), style in zip(runs, styles, strict=True):
                 off = MM * np.hypot(*run.error(key or run.best)[:, :2].T)
-                _, most = extremes_between(off, stretches(run))
-                axes.step(100 * _shares(run)[1:], most, **style)
+                _, most = extremes_between(off, stretches(run, few))
+                axes.step(np.linspace(0, 100, len(most) + 1)[1:], most, **style)
             axes.set_xlim(0, 100)
             axes.set_ylim(bottom=0)
             yield finish(figure, f"Distance from {what} [mm]", names, NOTES["shares"])
@@ -147,11 +149,6 @@ def _draw_place(axes: Axes, run: Run) -> list[Key]:
     axes.plot(*(MM * run.nominal[-1, :2]), "o", markersize=8, **ring)
     axes.set_aspect("equal", adjustable="datalim")
     return [Key.of(NOMINAL, ", ".join(run.path_labels))]
-
-
-def _shares(run: Run) -> Array:
-    """Share of the walk that is done where each stretch begins, and at the end."""
-    return np.linspace(0, 1, len(stretches(run)) + 1)
 
 
 def _turned(run: Run, name: str) -> Array:

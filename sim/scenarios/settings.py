@@ -118,7 +118,7 @@ class Settings:
         "what an earlier walk has learnt: its learnt.toml, or numbers", None, "plan"
     )
     steer: Literal["ideal", "quasi-static", "identified", "compliant"] = setting(
-        "prediction that is to reach the goal", "ideal", "plan"
+        "prediction that is to reach the goal; ideal: not steered", "ideal", "plan"
     )
     optimise: Literal["none", "time", "strokes", "switches"] = setting(
         "what an optimised plan minimises; none: nothing is optimised", "none", "plan"

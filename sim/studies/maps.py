@@ -156,7 +156,10 @@ def _draw_map(axes: Axes, results: Results, across: str, up: str) -> None:
         colour, share = colours[x, y], 100 * results.off[point]
         corner = x - CELL / 2, y - CELL / 2
         axes.add_patch(Rectangle(corner, CELL, CELL, color=colour.hex, linewidth=0))
-        label = f"{share:#.2g}".rstrip(".") if np.isfinite(share) else "no walk"
+        texts = [f"{share:#.{digits}g}".rstrip(".") for digits in range(2, 9)]
+        read = np.searchsorted(results.limits, [float(text) / 100 for text in texts])
+        own = read == np.searchsorted(results.limits, share / 100)
+        label = texts[own.argmax()] if np.isfinite(share) else "no walk"  # in its class
         lost = sum(results.classes[one] == NO_WALK for one in there[x, y])
         if 0 < lost < len(there[x, y]):
             label = f"{lost} of {len(there[x, y])}:\n{label}"

@@ -6,8 +6,10 @@ import shutil
 import pytest
 
 from sim.cli import main
+from sim.reports import maps
 from sim.reports.comparison import compare
-from sim.runs.run import read_run
+from sim.reports.drawing import FEW, stretches
+from sim.runs.run import Run, read_run
 from tests.browser import ask
 
 SEEN = """
@@ -144,3 +146,22 @@ def test_what_differs_by_little_has_a_digit_more(walked):
     assert {label: digits[label] for label in wanted} == wanted
     position = 1e3 * run.summary.error["goal"]["position"]
     assert table["off the goal [mm]"] == f"{position:.3f}"
+    share = 0.1 * position / run.summary.path_length
+    assert table["off the goal, of the path [%]"] == f"{share:.3f}"
+
+
+def test_curves_of_a_page_are_envelopes_over_parts_of_one_kind(walked, monkeypatch):
+    """Beside a walk of few segments, one of many is drawn by its phases, too."""
+    run, other = read_run(walked), read_run(walked)
+    many = property(lambda self: 1 if self is run else FEW)
+    monkeypatch.setattr(Run, "segments", many)
+    parts = []
+
+    def kept(one, few=None):
+        parts.append((one is run, few))
+        return stretches(one, few)
+
+    monkeypatch.setattr(maps, "stretches", kept)
+    list(maps.overlaid([("few", run), ("many", other)]))
+    assert parts == [(True, True), (False, True)]
+    assert len(stretches(run, True)) == len(run.phases) > len(stretches(run, False))
