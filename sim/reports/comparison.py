@@ -90,7 +90,7 @@ def _results(runs: Sequence[Run]) -> Iterator[tuple[str, ...]]:
         yield f"{label} [{q.unit}]", *(q.cell(s, GOAL, FINER) for s in summaries)
     ends = ((POSITION.value(s, GOAL), s.path_length) for s in summaries)
     shares = (None if off is None or not way else 100 * off / way for off, way in ends)
-    yield "off the goal, of the path [%]", *(number(share, 3) for share in shares)
+    yield "off the goal [% of the path]", *(number(share, 3) for share in shares)
     for key, name in PREDICTIONS.items():
         for q in (POSITION, *(q for q in OF_ROWS if q.key.startswith("error"))):
             cells = (q.cell(s, key, FINER) for s in summaries)

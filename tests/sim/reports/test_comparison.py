@@ -147,7 +147,7 @@ def test_what_differs_by_little_has_a_digit_more(walked):
     position = 1e3 * run.summary.error["goal"]["position"]
     assert table["off the goal [mm]"] == f"{position:.3f}"
     share = 0.1 * position / run.summary.path_length
-    assert table["off the goal, of the path [%]"] == f"{share:.3f}"
+    assert table["off the goal [% of the path]"] == f"{share:.3f}"
 
 
 def test_curves_of_a_page_are_envelopes_over_parts_of_one_kind(walked, monkeypatch):
