@@ -103,7 +103,10 @@ def test_the_scenarios_shown_are_some(tmp_path):
 
 
 def test_the_system_shown_is_checked_and_planned(tmp_path, capsys):
-    (block,) = blocks_with("toml", "[strata")
+    block, trailer = blocks_with("toml", "[strata")
+    (tmp_path / "trailer.toml").write_text(trailer)
+    assert main(["plan", str(tmp_path / "trailer.toml")]) == 0
+    assert "exact" in capsys.readouterr().out
     path = tmp_path / "cupboard.toml"
     path.write_text(block)
     assert main(["check", str(path)]) == 0
