@@ -25,7 +25,7 @@ TOP, BOX, APART = 60, 128, 16  # of the inset: words above a plot, its side, the
 PLOTS = 2
 DOT, CROSS = 4, 5  # of the present error, and of no error [pixels]
 TRAIL_STEP = 1.0  # between points of a trail [pixels]
-RIM, TIP = 62, 9  # from the middle to what points ahead, and its length [pixels]
+RIM, TIP = 62, 13  # from the middle to what points ahead, and its length [pixels]
 FILL = 0.8  # of half the plot, at most, for the largest error
 NOTHING = 1e-9  # [m], below which an error is rounding
 DIGITS = np.array([1.0, 2.0, 5.0])
@@ -83,7 +83,7 @@ def inset(walk: Run, view: Camera, top: int) -> Panel:
     still, draw = empty(2 * PAD + PLOTS * BOX + APART, TOP + BOX + 28)
     text(draw, (PAD, 8), "error of position [mm]", colour=palette.FAINT)
     text(draw, (PAD + BOX + 96, 8), "front", colour=palette.FAINT)
-    _tip(draw, (PAD + BOX + 84, 13), (0.0, 1.0))
+    _tip(draw, (PAD + BOX + 84, 11), (0.0, 1.0))
     angle = np.radians(view.azimuth.mean())
     right, away = (np.sin(angle), -np.cos(angle)), (np.cos(angle), np.sin(angle))
     ahead = np.stack([np.cos(walk.achieved[:, 2]), np.sin(walk.achieved[:, 2])], axis=1)
@@ -109,12 +109,12 @@ def inset(walk: Run, view: Camera, top: int) -> Panel:
 
 
 def _tip(draw: Draw, at: tuple[float, float], way: Sequence[float] | Array) -> None:
-    """A small triangle that points a way, to the right and up."""
+    """A slender triangle that points a way, to the right and up."""
     x, y = at
     right, up = way
     back, across = (
         np.array([x - TIP * right, y + TIP * up]),
-        TIP / 2 * np.array([up, right]),
+        TIP / 4 * np.array([up, right]),
     )
     draw.polygon([at, tuple(back - across), tuple(back + across)], palette.TEXT)
 
