@@ -47,6 +47,9 @@ class Robot:
     geometry: Mapping[str, float] = field(default_factory=dict)  # of a variant
     text: str = ""  # MJCF of a variant, which is in no file
 
+    def __hash__(self) -> int:
+        return hash((self.path, self.card_text, self.text))
+
     @property
     def is_shipped(self) -> bool:
         """Whether it comes with the package, if with other numbers of its shape."""

@@ -153,7 +153,8 @@ def evaluate(
     unpredicted: dict[str, str] = {}
     caches: dict[str, Cache] = {}
     setup, motion = walk.setup, walk.setup.motion
-    cache, of_world = setup.walk_cache(shared), world_cache(setup.scenario, shared)
+    cache = setup.walk_cache(shared)
+    of_world = world_cache(setup.scenario, setup.robot, shared)
     given = cache("commanded", partial(commands_along, walk))
     strata = {phase.stratum for phase in walk.phases if phase.kind == "swing"}
     asked: Collection[str] = setup.scenario.predictions or PREDICTIONS

@@ -92,7 +92,7 @@ class Setup:
         scenario = self.scenario
         if shared is None or scenario.replan or not self.is_shareable:
             return no_cache
-        key = scenario.key(*PLAN), self.limits, scenario.sample_every
+        key = self.robot, scenario.key(*PLAN), self.limits, scenario.sample_every
         return lambda kind, make: shared.cached(kind, key, make, CACHED_WALKS)
 
     @property
@@ -244,8 +244,9 @@ def prepare(
         read = partial(load, scenario.robot, geometry=scenario.geometry)
         robot = shared.cached("robot", (scenario.robot, str(scenario.geometry)), read)
     scenario = with_own_band(drawn(scenario, robot), robot.card)
-    key, made = scenario.key("equations"), partial(_mathematics, robot, scenario)
-    described, extended, kinematics = shared.cached("mathematics", key, made)
+    key = robot, scenario.key("equations")
+    made = shared.cached("mathematics", key, partial(_mathematics, robot, scenario))
+    described, extended, kinematics = made
     if log is None and scenario.motion is not None:
         log = read_log(Path(scenario.motion), robot.card.joints, robot.legs)
     if log is None:

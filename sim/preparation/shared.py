@@ -58,14 +58,16 @@ class Shared:
 
     def world(self, scenario: Scenario, robot: Robot) -> tuple[World, mujoco.MjModel]:
         """Robot and world, and their model, shared where the way alone differs."""
-        return world_cache(scenario, self)("world", lambda: built(robot, scenario))
+        cache = world_cache(scenario, robot, self)
+        return cache("world", lambda: built(robot, scenario))
 
 
-def world_cache(scenario: Scenario, shared: Shared | None) -> Cache:
+def world_cache(scenario: Scenario, robot: Robot, shared: Shared | None) -> Cache:
     """Caches what is measured in a world, whatever is walked in it."""
     if shared is None or scenario.bumps:  # which lie along the way
         return no_cache
-    return lambda kind, make: shared.cached(kind, scenario.key(*WORLD), make)
+    key = robot, scenario.key(*WORLD)
+    return lambda kind, make: shared.cached(kind, key, make)
 
 
 def built(robot: Robot, scenario: Scenario) -> tuple[World, mujoco.MjModel]:

@@ -108,7 +108,8 @@ class ScenarioProblem(Problem):
         make = partial(plan_open_loop, self.setup)
         if self.shared is None or not self.setup.is_shareable:
             return make()
-        return self.shared.cached("plan", self.setup.scenario.key(*PLAN), make)
+        key = self.setup.robot, self.setup.scenario.key(*PLAN)
+        return self.shared.cached("plan", key, make)
 
     def check(self, plan: Plan) -> None:
         """Refuse a plan that tips the robot over, or makes its legs collide."""

@@ -90,8 +90,6 @@ def test_commands_of_sweeps_run(line, swept, tmp_path, monkeypatch):
         assert agrees(shown_under(line), printed(words, tmp_path))
     elif line.startswith("sweep friction-speed"):
         pass  # just above
-    elif words[0] == "design":  # of robots that share a name, which caches go by
-        assert printed(words, tmp_path)
     else:
         monkeypatch.chdir(tmp_path)
         done = walked_here(*words)

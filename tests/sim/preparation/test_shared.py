@@ -5,6 +5,7 @@ from typing import Literal, get_args, get_origin
 
 import pytest
 
+from models import load
 from sim.planning.open_loop import plan_open_loop
 from sim.preparation.setup import prepare
 from sim.preparation.shared import PLAN, WORLD, Shared
@@ -137,3 +138,23 @@ def test_a_walk_that_shares_has_the_numbers_of_one_that_does_not(plain):
         done = simulate(point, shared=shared, without=without).summary
         alone = simulate(point, without=without).summary
         assert replace(done, timing={}) == replace(alone, timing={})
+
+
+@pytest.mark.physics
+def test_a_robot_shares_nothing_with_another_of_its_name(plain, hexapod):
+    shared = Shared()
+    short = replace(plain, segments=1, swing_speed=1.0, timestep=0.001, hold=0.1)
+    first, second = (group.legs for group in hexapod.card.groups.values())
+    for robot in (hexapod, hexapod.alternating({"1": second, "2": first})):
+        done = simulate(short, robot=robot, shared=shared, without=LESS)
+        alone = simulate(short, robot=robot, without=LESS)
+        assert done.plan.flows == alone.plan.flows
+        assert replace(done.summary, timing={}) == replace(alone.summary, timing={})
+        assert prepare(short, robot, shared).model is done.prepared.setup.model
+
+
+def test_a_robot_shares_with_itself_loaded_again(plain):
+    shared = Shared()
+    first, again = (prepare(plain, load("hexapod"), shared) for _ in range(2))
+    assert first.extended is again.extended
+    assert first.model is again.model
