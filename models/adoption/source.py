@@ -20,14 +20,13 @@ import mujoco
 
 from models.adoption.words import guess, refusal
 from models.description.compiled import named, one_line, read_spec
-from models.description.inspection import ROBOT, inspect_model
+from models.description.inspection import inspect_model
 from models.errors import ModelError, UnknownRobotError
 from planner.support import read_file
 
 FREE = re.compile(r"<freejoint|type=\"free\"")
 PACKAGE = r'package://([^/"]+)/([^"]+)'
 FILE = "file://"
-LIMITS = ROBOT._replace(seconds=10)  # much is to be tried with it afterwards
 PARENTS = 4  # folders above a URDF in which its packages are looked for
 ROOT = "adopted_world"  # link that a URDF's base floats in
 FLOATING = f"""
@@ -92,13 +91,13 @@ def source_of(name: str, allow_external: bool = False) -> Source:
         remedy = "give an MJCF or URDF file, or a folder with one"
         raise UnknownRobotError(f"no such robot: {path}; {remedy}")
     if path.suffix.lower() != ".urdf":
-        inspect_model(path, (), allow_external, LIMITS)
+        inspect_model(path, (), allow_external)
         return Source(path, path, None)
     given = read_file(path).decode(errors="replace")
     found = re.sub(PACKAGE, lambda name: _in_package(path.parent, name), given)
     drawn, notes = with_shapes(path, given, found)
     if drawn == given:
-        inspect_model(path, (), allow_external, LIMITS)
+        inspect_model(path, (), allow_external)
     else:
         with NamedTemporaryFile(
             "w", encoding="utf-8", suffix=".urdf", dir=path.parent
@@ -106,7 +105,7 @@ def source_of(name: str, allow_external: bool = False) -> Source:
             file.write(drawn)
             file.flush()
             try:
-                inspect_model(Path(file.name), (), allow_external, LIMITS)
+                inspect_model(Path(file.name), (), allow_external)
             except ModelError as error:
                 raise ModelError(str(error).replace(file.name, str(path))) from error
     return Source(path, path.with_suffix(".xml"), _from_urdf(path, drawn), notes)

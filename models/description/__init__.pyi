@@ -12,7 +12,6 @@ from .compiled import (
     silence_the_engine as silence_the_engine,
 )
 from .inspection import (
-    Limits as Limits,
     elements_with_files as elements_with_files,
     inspect_model as inspect_model,
 )

@@ -16,7 +16,7 @@ import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import mujoco
 
@@ -116,17 +116,10 @@ def _found(model: mujoco.MjModel, kind: str, name: str) -> Path | None:
     return None
 
 
-class Limits(NamedTuple):
-    """What the compilation of a model may take, and the way out where it may not."""
-
-    seconds: int  # of the processor
-    memory: int  # bytes
-    move: str  # files from elsewhere
-
-
-MOVE = "move them there, or give --allow-external if you trust it"
-ROBOT = Limits(30, 4 * 10**9, MOVE)
+SECONDS = 8  # of the processor, in which a model must compile
+MEMORY = 2 * 10**9  # bytes
 PATIENCE = 30  # [s] by the clock
+MOVE = "move them there, or give --allow-external if you trust it"
 ROOT = Path(__file__).resolve().parents[2]
 SHOWN = 3  # files that a message names
 
@@ -135,40 +128,44 @@ def inspect_model(
     path: Path,
     others: tuple[Path, ...] = (),
     allow_external: bool = False,
-    limits: Limits = ROBOT,
+    remedy: str = MOVE,
 ) -> Opened:
     """Make sure that a model may be read, and find the files that it opens.
 
     Other files belong to it, too. Refused are models that are too large, do not
     compile, have odd names or numbers that are not finite, or open files that they may
-    not. This costs the start of a process.
+    not, where a `remedy` is named. This costs the start of a process.
     """
     check_name(path.stem, str(path))
-    files = {Path(file) for file in _tried(path, limits)}
+    files = {Path(file) for file in _tried(path)}
     taken = outside((files | set(others)) - {path}, path.parent)
     if taken and not allow_external:
         named = ", ".join(map(str, taken[:SHOWN]))
         more = f" and {len(taken) - SHOWN} more" if len(taken) > SHOWN else ""
         raise ModelError(
             f"the model opens files outside its own folder: {path}; {named}{more}; "
-            f"{limits.move}"
+            f"{remedy}"
         )
     return Opened(tuple(sorted(files | {path})), tuple(taken))
 
 
-def _tried(path: Path, limits: Limits) -> list[str]:
+def _tried(path: Path) -> list[str]:
     """The files that a model opens, as the process that compiled it says."""
     too_large = ModelError(
-        f"too large: {path}; it takes more than {limits.seconds} s or "
-        f"{limits.memory // 10**9} GB to compile; leave parts out"
+        f"too large: {path}; it takes more than {SECONDS} s or "
+        f"{MEMORY // 10**9} GB to compile; leave parts out"
     )
-    given = map(str, (path, limits.seconds, limits.memory))
-    # No pictures, one thread, and this code whatever else is installed.
+    # No pictures, one thread, no room set aside for others, and this code whatever
+    # else is installed.
     paths = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
-    quick = {"MUJOCO_GL": "disabled", "OPENBLAS_NUM_THREADS": "1"}
+    quick = {
+        "MUJOCO_GL": "disabled",
+        "OPENBLAS_NUM_THREADS": "1",
+        "MALLOC_ARENA_MAX": "1",
+    }
     try:
         done = subprocess.run(
-            [sys.executable, "-P", "-m", __spec__.name, *given],
+            [sys.executable, "-P", "-m", __spec__.name, str(path)],
             env={**os.environ, **quick, "PYTHONPATH": paths},
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
@@ -240,15 +237,15 @@ def report(path: Path) -> dict[str, object]:
         return {"large": True}
 
 
-def main(path: str, seconds: str, memory: str) -> None:
-    """Try a model within limits of time [s] and memory [bytes]; print the report."""
+def main(path: str) -> None:
+    """Try a model within limits of time and memory; print the report."""
     import resource  # not on every system
 
-    resource.setrlimit(resource.RLIMIT_CPU, (int(seconds), int(seconds)))
-    resource.setrlimit(resource.RLIMIT_AS, (int(memory), int(memory)))
+    resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     print("", json.dumps(report(Path(path))), sep="\n", flush=True)
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    main(sys.argv[1])

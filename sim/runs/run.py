@@ -17,7 +17,6 @@ import numpy as np
 
 from models import Card
 from models.description import (
-    Limits,
     compile_model,
     inspect_model,
     parse_card,
@@ -38,7 +37,6 @@ from sim.scenarios.file import anchor, scenario_from
 from sim.scenarios.predictions import PREDICTIONS, best
 from sim.scenarios.scenario import Scenario
 
-LIMITS = Limits(8, 2 * 10**9, "walk the scenario again")
 SURE = 2.146  # standard deviations of a normal point in the plane that hold 90 %
 NOMINAL_POINTS = 400  # of the nominal path as it is drawn
 PLACES = ("contact_point", "center_of_mass")  # arrays of points that are not poses
@@ -85,7 +83,7 @@ class Run:
         """MJCF file of robot and world, which has been found fit to be compiled."""
         path = self.folder / "model.xml"
         if not self.inspected:
-            inspect_model(path, limits=LIMITS)
+            inspect_model(path, remedy="walk the scenario again")
         return path
 
     @cached_property

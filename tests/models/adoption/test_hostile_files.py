@@ -156,5 +156,5 @@ def test_a_urdf_that_grows_without_end_is_refused_in_time(urdf, alone):
     )
     path = urdf("m.obj")
     path.write_text(f'<robot name="r">{links}{joints}</robot>')
-    with pytest.raises(ModelError, match="too large: .*more than 10 s or 4 GB"):
+    with pytest.raises(ModelError, match="too large: .*more than 8 s or 2 GB"):
         source_of(str(path))
