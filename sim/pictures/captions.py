@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from textwrap import wrap
 
 import numpy as np
 from PIL import Image, ImageDraw
@@ -43,6 +44,7 @@ SCALE = 50  # height of the scale bar's panel [pixels]
 TICK = 5  # half the height of the scale bar's ends [pixels]
 VEIL = (0.6, 0.92), (0.92, 0.45)  # share of the width, share of paper over a picture
 HEADLINE, STEP, MARGIN = 48, 38, 150  # of cards: type, lines, left edge [pixels]
+LETTERS = 44  # of a line of a card, which ends beside the robot
 CARDS: Mapping[str, list[str]] = FILM["cards"]
 VERBS: Mapping[str, list[str]] = FILM["verbs"]
 
@@ -99,11 +101,12 @@ def _card(lines: Sequence[str], behind: Array) -> Array:
     veil = np.interp(np.linspace(0, 1, WIDTH), *VEIL)[:, np.newaxis]
     picture = Image.fromarray(np.uint8(veil * palette.PAPER + (1 - veil) * behind))
     draw = ImageDraw.Draw(picture)
-    headline, *rest = (fitting(line, WIDTH - 2 * MARGIN, MIDDLE) for line in lines)
+    headline, *rest = lines
+    rest = [part for line in rest for part in wrap(line, LETTERS) or [""]]
     y = HEIGHT // 2 - (HEADLINE + STEP * len(rest)) // 2
-    text(draw, (MARGIN, y), headline, HEADLINE)
+    text(draw, (MARGIN, y), fitting(headline, WIDTH - 2 * MARGIN, HEADLINE), HEADLINE)
     for number, line in enumerate(rest):
-        colour = palette.FAINT if number else palette.TEXT
+        colour = palette.TEXT if number < rest.index("") else palette.FAINT
         place = MARGIN, y + 2 * HEADLINE + STEP * number
         text(draw, place, line, MIDDLE, colour=colour)
     return np.array(picture)

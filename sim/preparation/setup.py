@@ -23,7 +23,7 @@ from sim.motion.schedule import LegState, MotionLimits, Schedule
 from sim.physics.engine import STRETCH
 from sim.physics.standing import check_standing
 from sim.preparation.reach import explained, lift_angle, require_gait
-from sim.preparation.shared import PLAN, Cache, Shared, built, no_cache
+from sim.preparation.shared import PLAN, Cache, Shared, built, no_cache, world_cache
 from sim.scenarios.scenario import Scenario, drawn
 from sim.scenarios.settings import IMPERFECTIONS
 from sim.world.dead_bands import with_own_band
@@ -252,7 +252,8 @@ def prepare(
     if log is None:
         require_gait(scenario, robot, described)
         servo = servo_settings(scenario, robot.card)
-        world, model = shared.world(scenario, robot)
+        of_world = world_cache(scenario, robot, shared)
+        world, model = of_world("world", partial(built, robot, scenario))
         lift = lift_angle(kinematics, scenario.lift_height)
     else:  # which begins in a posture of its own
         robot = posed(robot, log)

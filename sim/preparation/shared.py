@@ -56,14 +56,9 @@ class Shared:
         found: T = of_kind[key]
         return found
 
-    def world(self, scenario: Scenario, robot: Robot) -> tuple[World, mujoco.MjModel]:
-        """Robot and world, and their model, shared where the way alone differs."""
-        cache = world_cache(scenario, robot, self)
-        return cache("world", lambda: built(robot, scenario))
-
 
 def world_cache(scenario: Scenario, robot: Robot, shared: Shared | None) -> Cache:
-    """Caches what is measured in a world, whatever is walked in it."""
+    """Caches a world and what is measured in it, whatever is walked there."""
     if shared is None or scenario.bumps:  # which lie along the way
         return no_cache
     key = robot, scenario.key(*WORLD)

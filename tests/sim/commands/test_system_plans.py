@@ -27,6 +27,12 @@ def test_a_picture_shows_headings_and_tells_start_goal_and_end_apart(
         assert all(f"<!-- {mark} -->" in drawn for mark in ("start", "goal", "end"))
 
 
+def test_the_title_of_a_picture_counts_all_coordinates(facts, stratawalk, tmp_path):
+    error = facts("plan", "car", "--segments", "2", "--out", "e.svg")["error"]
+    title = f"<!-- car, ends {error:.2g} off its goal -->"
+    assert title in (tmp_path / "e.svg").read_text()
+
+
 def test_the_largest_value_of_each_coordinate_on_the_way_is_told(facts, stratawalk):
     """A wheel that turns by a radian, drives by one, turns back and drives back."""
     largest = facts("plan", "unicycle", "--segments", "1")["largest"]

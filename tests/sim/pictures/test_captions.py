@@ -114,7 +114,7 @@ def test_the_last_card_says_why_feet_slip_farther_than_the_path_is_long(
     other = replace(walk)
     summary = replace(walk.summary, achieved=achieved, verdict="arrived")
     other.__dict__["summary"] = summary
-    assert (_results(other)[-2:] == CARDS["slipping"]) == told
+    assert (_results(other)[-1:] == CARDS["slipping"]) == told
 
 
 def test_the_inset_points_ahead_as_the_body_does_in_the_picture(walk, view):
@@ -146,6 +146,17 @@ def test_cards_say_what_is_walked_and_what_came_of_it(walk, film, view):
     assert said.count(walk.summary.verdict) == 1
     assert f"slip: {1e3 * walk.summary.achieved.slip:.1f} mm" in said
     assert (scene.start, scene.stop) == (50, len(film.rows) - 75)
+
+
+def test_the_sentences_of_cards_end_beside_the_robot(walk, film, view):
+    other = replace(walk)
+    long = "arrived: 0.25 mm from the goal and 0.01 mm from the end of its prediction"
+    other.__dict__["summary"] = replace(walk.summary, verdict_text=long)
+    plain = np.full((HEIGHT, WIDTH, 3), palette.PAPER, np.uint8)
+    for frame in (0, len(film.rows) - 1):
+        Captions(other, film, view).lay_card(card := plain.copy(), frame)
+        written = np.flatnonzero((card < plain - 9.0).any((0, 2)))
+        assert 100 < written[0] < written[-1] < 0.55 * WIDTH  # the picture is there
 
 
 @pytest.mark.parametrize(

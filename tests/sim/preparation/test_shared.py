@@ -99,11 +99,12 @@ def test_plans_whose_strokes_end_on_counts_are_not_shared(
 
 def test_scenarios_that_differ_in_the_way_share_a_model(plain, hexapod):
     shared = Shared()
-    _, model = shared.world(plain, hexapod)
-    assert shared.world(changed(plain, "path"), hexapod)[1] is model
-    assert shared.world(changed(plain, "friction"), hexapod)[1] is not model
+    model = prepare(plain, hexapod, shared).model
+    assert prepare(changed(plain, "path"), hexapod, shared).model is model
+    assert prepare(changed(plain, "friction"), hexapod, shared).model is not model
     bumpy = changed(plain, "bumps")  # which lie along the way
-    assert shared.world(bumpy, hexapod)[1] is not shared.world(bumpy, hexapod)[1]
+    first, again = (prepare(bumpy, hexapod, shared).model for _ in range(2))
+    assert first is not again
 
 
 def test_things_are_made_once_and_the_oldest_are_forgotten():

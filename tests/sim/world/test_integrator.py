@@ -71,7 +71,7 @@ def test_standing_feet_slip_less_with_euler(scenario):
 
     def slip(timestep, integrator):
         shared, asked = Shared(), scenario(timestep=timestep, segments=1)
-        _, model = shared.world(asked, load(asked.robot))
+        model = prepare(asked, shared=shared).model
         model.opt.integrator = integrator
         walk = simulate(
             asked, without=("identified", "compliant", "creep_floor"), shared=shared
