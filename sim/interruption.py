@@ -104,12 +104,14 @@ def deaf() -> Iterator[None]:
 
 
 def meant(error: BaseException) -> BaseException:
-    """The interruption that an error stands for, or the error itself.
+    """The interruption or the want of memory that an error stands for, or the error.
 
     Libraries written in C answer an exception raised inside them with one of their own,
     for example that an import failed.
     """
     stop = unanswered_interruption()
+    if type(error).__name__ == "FatalError" and "allocate memory" in str(error):
+        error = MemoryError()  # which MuJoCo has noticed
     if stop is None or isinstance(error, KeyboardInterrupt):
         return error
     for note in getattr(error, "__notes__", ()):

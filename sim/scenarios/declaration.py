@@ -193,7 +193,7 @@ def _table(value: Mapping[str, object]) -> dict[str, float]:
 def _number(value: object, base: type, limits: Range) -> float:
     if not is_number(value) or not limits.low <= value <= limits.high:
         raise ValueError
-    number: float = base(value)
+    number: float = base(value) + 0  # -0.0 is 0.0
     if number != value:
         raise ValueError
     return number
@@ -225,6 +225,8 @@ def words(kind: object) -> str:
         count = f"{len(each)} numbers:" if len(each) == len(inner) else "numbers"
         return f"a list of {count} {', '.join(each)}"
     if origin is Annotated and isinstance(inner[1], Range):
+        if inner[1].low == inner[1].high:
+            return f"{inner[1].low:g}"
         noun = "a whole number" if inner[0] is int else "a number"
         return f"{noun} from {inner[1].low:.10g} to {inner[1].high:.10g}"
     if origin is Annotated and inner[1].file_name:

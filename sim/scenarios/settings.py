@@ -17,6 +17,7 @@ from sim.scenarios.declaration import LEAST, Range, Setting, Text, accept, setti
 
 imperfection = partial(setting, imperfection=True)
 Mass = Annotated[float, Range(0, 1e3)]
+Off = Annotated[float, Range(0, 0)]
 Width = Annotated[float, Range(0, 0.2)]  # of slack
 Zero = Annotated[float, Range(-0.2, 0.2)]
 Coordinate = Annotated[float, Range(-10, 10)]
@@ -158,10 +159,10 @@ class Settings:
     servo_data: Mapping[str, float] | None = setting(
         "numbers of the servo's data sheet, by name", None, ("plan", "world", "drive")
     )
-    command_rate: Annotated[float, Range(0, 1e5)] | None = setting(
+    command_rate: Off | Annotated[float, Range(LEAST, 1e5)] | None = setting(
         "commands a second; 0 for one every step", None, ("world", "drive"), "1/s"
     )
-    resolution: Annotated[float, Range(0, 0.2)] | None = setting(
+    resolution: Off | Annotated[float, Range(LEAST, 0.2)] | None = setting(
         "angle of one count of a servo's command", None, ("plan", "drive"), "rad"
     )
     feed_forward: bool | Literal["predicted"] | None = setting(

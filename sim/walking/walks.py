@@ -17,6 +17,7 @@ from planner import Array, Flow, Plan
 from planner.planning import Step
 from sim.drive.drive import Drive
 from sim.drive.rehearsal import Beforehand
+from sim.errors import UsageError
 from sim.experiments.identification import twist_model
 from sim.feedback.filter import Feedback
 from sim.feedback.sensing import Sensor
@@ -32,10 +33,11 @@ from sim.planning.open_loop import plan_segment, segment_ends, segment_target
 from sim.planning.soundness import require_sound, require_sound_flows
 from sim.preparation.scheduling import check_effort, schedule_flows, scheduled
 from sim.preparation.setup import Setup, prepare
-from sim.preparation.shared import Cache, no_cache
+from sim.preparation.shared import PLAN, Cache, no_cache
 from sim.progress import Progress, silent
 from sim.scenarios.body_path import waypoints
 from sim.scenarios.scenario import Scenario
+from sim.scenarios.settings import SETTINGS
 from sim.walking.finished import Stretch, Walk, laid_commands
 
 
@@ -165,7 +167,7 @@ def walk(robot: Robot, plan: Plan, progress: Progress = silent, **changes: Any) 
         plan: Flows of its equations.
         progress: Called with each stage and the finished part of it.
         **changes: Settings of a scenario that replace their defaults, such as
-            `friction=0.5`.
+            `friction=0.5`; those that the plan has settled are refused.
 
     Raises:
         UsageError: If a setting is impossible, or the walk takes too many steps.
@@ -183,7 +185,7 @@ def walk(robot: Robot, plan: Plan, progress: Progress = silent, **changes: Any) 
         >>> len(walked.phases)
         43
     """
-    setup = prepare(scenario_of(robot, plan, **changes), robot)
+    setup = prepare(_scenario_of(robot, plan, changes), robot)
     require_sound(setup, plan)
     return carry_out(Walker(setup, progress), plan)
 
@@ -249,8 +251,14 @@ def expected_steps(setup: Setup, planned: Plan | None) -> int:
     return holds + schedule.stop * setup.scenario.segments // segments
 
 
-def scenario_of(robot: Robot, plan: Plan, **changes: Any) -> Scenario:
+SETTLED = {"path", *(k for k, s in SETTINGS.items() if s.affects <= {*PLAN})}
+
+
+def _scenario_of(robot: Robot, plan: Plan, changes: dict[str, Any]) -> Scenario:
     """The scenario that a plan of a robot carries out, with some settings changed."""
+    for name in sorted(changes.keys() & SETTLED):
+        remedy = "leave it out, or plan with it"
+        raise UsageError(f"the plan has settled {name} already", "sim.walk", remedy)
     printed = plan.elements == equations(robot, "paper").elements
     return Scenario(
         **{

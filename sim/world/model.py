@@ -52,7 +52,7 @@ class World:
 def build(robot: Robot, scenario: Scenario) -> World:
     """Robot and world, self-contained."""
     spec, own = robot.read(), scene().option
-    for name in ("integrator", "cone", "impratio", "jacobian"):
+    for name in ("integrator", "cone", "impratio", "jacobian", "enableflags"):
         setattr(spec.option, name, getattr(own, name))
     spec.option.timestep = scenario.timestep
     floor = ensure_floor(spec, robot)

@@ -5,6 +5,7 @@ Obstacles are solid geoms.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from math import cos, sin
 from typing import Any
@@ -23,6 +24,8 @@ _FOUND, _FORCE = 1 << int(_DATA.mjCONDATA_FOUND), 1 << int(_DATA.mjCONDATA_FORCE
 _PLACE, _SPEED = 1 << int(_DATA.mjCONDATA_POS), 1 << int(_DATA.mjCONDATA_LINVEL)
 _GEOM, _SUBTREE = mujoco.mjtObj.mjOBJ_GEOM, mujoco.mjtObj.mjOBJ_XBODY
 _MANY = 4  # contacts of a foot, of which the engine tells
+_OFF = int(mujoco.mjtDisableBit.mjDSBL_SENSOR)
+_PLAIN = {"cutoff": 0.0, "delay": 0.0, "interval": (0.0, 0.0), "nsample": 0}
 _SLOTS = {mujoco.mjtGeom.mjGEOM_SPHERE: 1, mujoco.mjtGeom.mjGEOM_CAPSULE: 2}
 
 Part = tuple[mujoco.mjtObj, str]  # kind and name of what touches or is touched
@@ -34,8 +37,10 @@ def ensure_sensors(
 ) -> None:
     """Add missing sensors, and replace those of the same names that differ.
 
-    An uneven floor has bumps, which any foot touches at several points.
+    All are read at every step as they are. An uneven floor has bumps, which any foot
+    touches at several points.
     """
+    spec.option.disableflags &= ~_OFF
     slots = {} if uneven else _SLOTS
     for geom in robot.card.feet:
         data = _FOUND | _FORCE | _PLACE | _SPEED, slots.get(spec.geom(geom).type, _MANY)
@@ -65,7 +70,7 @@ def _watch(
 
 
 def _ensure(spec: mujoco.MjSpec, name: str, **wanted: Any) -> None:
-    found = spec.sensor(name)
+    found, wanted = spec.sensor(name), {**_PLAIN, **wanted}
     if found is not None:
         if all(np.array_equal(getattr(found, key), v) for key, v in wanted.items()):
             return
@@ -115,10 +120,10 @@ def _add_geom(spec: mujoco.MjSpec, name: str, piece: Piece, height: float) -> No
 class Touches:
     """Counts how often contacts begin: with obstacles, or those of other sensors."""
 
-    def __init__(self, model: mujoco.MjModel, prefix: str = PREFIX) -> None:
-        """Watch all sensors whose names begin with the prefix."""
+    def __init__(self, model: mujoco.MjModel, names: str = f"{PREFIX}.*") -> None:
+        """Watch all sensors whose names match an expression."""
         sensors = (model.sensor(i) for i in range(model.nsensor))
-        self._at = [s.adr[0] for s in sensors if s.name.startswith(prefix)]
+        self._at = [s.adr[0] for s in sensors if re.fullmatch(names, s.name)]
         self._touching = np.zeros((1, len(self._at)), dtype=bool)
         self.count = 0
 

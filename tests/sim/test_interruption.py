@@ -6,12 +6,14 @@ import subprocess
 import sys
 import threading
 
+import mujoco
 import pytest
 
 from planner.support.files import whole_file
 from planner.support.stopping import limited, tick
 from sim import cli, interruption
 from sim.endings import ENDS
+from sim.errors import ExitCode, exit_code
 
 BUSY = """
 import os, sys, threading
@@ -71,9 +73,22 @@ def test_an_interruption_that_a_library_makes_its_own_error_is_still_one(listeni
     assert stop.__notes__ == ["planning had come to 3 segments"]
 
 
-def test_other_errors_mean_themselves(listening):
-    error = ImportError("no module named so")
+@pytest.mark.parametrize(
+    "error",
+    [
+        ImportError("no module named so"),
+        ValueError("Could not allocate memory"),
+        mujoco.FatalError("unknown object"),
+    ],
+    ids=repr,
+)
+def test_other_errors_mean_themselves(listening, error):
     assert interruption.meant(error) is error
+
+
+def test_memory_that_the_engine_lacks_is_memory(listening):
+    error = mujoco.FatalError("Could not allocate memory")
+    assert exit_code(interruption.meant(error)) == ExitCode.SIMULATION
 
 
 def test_a_search_raises_again_what_a_library_swallowed(listening):
