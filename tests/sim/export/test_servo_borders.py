@@ -1,0 +1,393 @@
+"""Counts, pulses and calibrations at the borders of what servos can do."""
+
+from dataclasses import replace
+from math import degrees, pi, radians
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from models import SERVO_KINDS, Kinematics, load
+from models.description import board_divider, board_rate
+from models.description.servos import JointServo
+from sim.errors import UsageError
+from sim.export.calibration import (
+    MARK,
+    SECONDS,
+    SWING,
+    card_with,
+    joint_servo,
+    marks,
+    sheet,
+    strokes,
+)
+from sim.export.header import identifier, in_comment, pack, unpack
+from sim.export.servo_commands import ServoCommands, taken
+from sim.export.servo_table import Channel, ServoTable, read_ros_table, servo_table
+from sim.physics.engine import STRETCH
+
+MG90, BUS = SERVO_KINDS["mg90"], SERVO_KINDS["ax-12"]
+JOINTS = ("one", "other")
+CARD = SimpleNamespace(joint_servos={}, board_clock=25e6)
+
+
+def table(make=MG90, pwm=True, given=None, rate=0.0, card=CARD):
+    return servo_table(card, JOINTS, make, pwm, given, rate)
+
+
+def commands(*angles):
+    return ServoCommands(JOINTS, 50.0, np.array(angles, dtype=float))
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_counts_and_angles_of_a_channel_are_inverse(sign):
+    servo = Channel("j", 3, sign, 300.0, 0.2, 150.0, -1.0, 1.0)
+    assert servo.counts(np.array([0.2, 0.4])) == pytest.approx([300, 300 + 30 * sign])
+    angles = np.linspace(-1, 1, 7)
+    assert servo.angle(servo.counts(angles)) == pytest.approx(angles)
+
+
+@pytest.mark.parametrize("beyond", [-1e-8, 1e-8])
+def test_a_servo_goes_to_its_reach_on_both_sides_of_its_offset(beyond):
+    offset = 0.1
+    given = {"one": JointServo(offset=offset), "other": JointServo()}
+    made = table(given=given)
+    for end in (offset - MG90.reach - beyond, offset + MG90.reach + beyond):
+        one = commands([end, 0.0])
+        if beyond < 0:
+            assert made.require_range(one)[0, 0] == pytest.approx(end)
+            continue
+        with pytest.raises(UsageError) as caught:
+            made.require_range(one)
+        said = str(caught.value)
+        assert f"goes to {end:.4f} rad ({degrees(end):.1f} degrees)" in said
+        ends = f"from {offset - MG90.reach:.4f} to {offset + MG90.reach:.4f} rad"
+        assert ends in said
+        assert "channel 0" in said
+
+
+def test_counts_are_whole_and_from_0_to_the_largest():
+    wide = {j: JointServo(center=50.0, limits=(-9.0, 99.0)) for j in JOINTS}
+    made, step = table(given=wide), MG90.resolution
+    assert made.counts(commands([-50.4 * step, 1.6 * step])).tolist() == [[0, 52]]
+    with pytest.raises(UsageError, match="'one' goes to"):
+        made.counts(commands([-50.6 * step, 0.0]))
+    most = made.largest - 50
+    assert made.largest == 4095
+    assert made.counts(commands([0.0, (most + 0.4) * step]))[0, 1] == 4095
+    with pytest.raises(UsageError) as caught:
+        made.counts(commands([0.0, (most + 0.6) * step]))
+    ends = f"from {-50 * step:.4f} to {most * step:.4f} rad"
+    assert ends in str(caught.value)
+
+
+def test_angles_are_in_the_order_of_channels():
+    given = {"one": JointServo(channel=9), "other": JointServo(channel=2)}
+    made = table(given=given)
+    assert made.joints == ("other", "one")
+    counts = made.counts(commands([0.1, -0.2], [0.3, 0.4]))
+    again = made.commands(counts, 50.0)
+    assert again.joints == ("other", "one")
+    assert again.rate == 50.0
+    half = 0.5 * MG90.resolution
+    assert again.angles == pytest.approx(np.array([[-0.2, 0.1], [0.4, 0.3]]), abs=half)
+    assert not made.assumed
+    assert table(given={"one": JointServo()}).assumed
+    assert [s.channel for s in table().channels] == [0, 1]
+
+
+def test_two_joints_on_a_channel_are_refused():
+    given = {j: JointServo(channel=4) for j in JOINTS}
+    with pytest.raises(UsageError, match="'one' and 'other' are both on channel 4"):
+        table(given=given)
+
+
+def test_pulses_are_as_long_in_microseconds_as_in_counts_of_a_frame():
+    made = table()
+    told = made.in_microseconds()
+    frame = 1e6 / made.frame_rate
+    for one, other in zip(made.channels, told.channels, strict=True):
+        angles = np.array([-1.0, 0.0, 0.7])
+        assert other.counts(angles) == pytest.approx(one.counts(angles) * frame / 4096)
+    assert told.largest == round(frame) - 1
+    assert told.microseconds
+    assert not made.microseconds
+
+
+@pytest.mark.parametrize(
+    ("rate", "changed"),
+    [(23.9, False), (24.0, True), (100.0, True), (1526.0, True), (1526.1, False)],
+)
+def test_frames_are_given_at_the_rate_of_commands_where_a_board_can(rate, changed):
+    made = table(rate=rate)
+    if not changed:
+        assert made.frame_rate == MG90.command_rate
+        return
+    assert made.frame_rate == pytest.approx(board_rate(rate, 25e6))
+    longer = made.frame_rate / MG90.command_rate
+    assert made.channels[0].counts_per_radian == pytest.approx(longer / MG90.resolution)
+
+
+def test_ticks_of_a_bus_are_those_of_a_make_or_of_a_turn():
+    made = table(BUS, pwm=False)
+    assert made.frame_rate == 0
+    assert made.largest == round(2 * BUS.reach / BUS.resolution) - 1
+    assert made.channels[0].center == BUS.center
+    plain = table(None, pwm=False)
+    assert plain.largest == 4095
+    assert plain.channels[0].center == 2048
+    assert plain.channels[0].counts_per_radian == pytest.approx(4096 / (2 * pi))
+    assert (plain.channels[0].low, plain.channels[0].high) == (-pi, pi)
+    known = table(BUS, pwm=False, given={j: JointServo() for j in JOINTS})
+    assert known.largest == 4095
+    alone = table(None, pwm=None)
+    assert (alone.channels[0].low, alone.channels[0].high) == (-np.inf, np.inf)
+    pulses = table(None, pwm=True)
+    assert pulses.channels[0].center == MG90.center
+    assert table(MG90, pwm=False).largest == 4095
+    assert table(MG90, pwm=None).channels[0].high == MG90.reach
+
+
+def test_a_servo_on_a_bus_takes_pulses_only_if_they_are_given():
+    whole = JointServo(center=300.0, counts_per_radian=100.0)
+    assert table(BUS, pwm=True, given=dict.fromkeys(JOINTS, whole)).frame_rate == 60.0
+    for part in ({"center": None}, {"counts_per_radian": None}):
+        given = {"one": whole, "other": replace(whole, **part)}
+        with pytest.raises(
+            UsageError, match="take no pulses, and joint 'other' has one"
+        ):
+            table(BUS, pwm=True, given=given)
+
+
+@pytest.mark.parametrize(
+    ("share", "fine"), [(0.49, False), (0.51, True), (1.98, True), (2.03, False)]
+)
+def test_half_to_twice_the_counts_of_the_make_are_believed(share, fine):
+    apart = 1.0
+    needed = round(share * apart / MG90.resolution)
+    counts = (300, 300 + needed)
+    if fine:
+        found = joint_servo(MG90, 25e6, 2, "+", counts, (-0.5, 0.5))
+        assert found.counts_per_radian == pytest.approx(needed)
+    else:
+        said = f"{needed} counts for 57 degrees, and its make takes 111"
+        with pytest.raises(ValueError, match=said):
+            joint_servo(MG90, 25e6, 2, "+", counts, (-0.5, 0.5))
+
+
+@pytest.mark.parametrize("clock", [25e6, 26.5e6])
+@pytest.mark.parametrize("turned", ["+", "-"])
+def test_centre_offset_and_sign_follow_from_two_marks(clock, turned):
+    """The divider of a board is rounded for its clock, and that of the ideal one."""
+    counts = (280, 400) if turned == "+" else (400, 280)
+    found = joint_servo(MG90, clock, 5, turned, counts, (-0.4, 0.8))
+    longer = board_divider(60.0, clock) / board_divider(60.0)
+    assert (found.channel, found.sign) == (5, 1 if turned == "+" else -1)
+    assert found.center == pytest.approx(340 / longer)
+    assert found.offset == pytest.approx(0.2)
+    assert found.counts_per_radian == pytest.approx(100 / longer)
+    bus = joint_servo(
+        BUS, clock, 5, turned, counts if turned == "+" else (400, 280), (-0.4, 0.4)
+    )
+    assert bus.counts_per_radian == pytest.approx(150.0)
+    still = (300, 300)
+    with pytest.raises(ValueError, match="look at the marks again"):
+        joint_servo(MG90, clock, 5, turned, still, (-0.4, 0.8))
+
+
+def test_marks_are_thirty_degrees_away_or_at_the_end_of_the_range():
+    robot = load("hexapod-classroom")
+    for joint in robot.card.joints:
+        stands, (low, high) = robot.standing_angle(joint), robot.span(joint)
+        first, second = marks(robot, joint)
+        assert low <= first < stands < second <= high
+        assert first == max(stands - radians(30), low)
+        assert second == min(stands + radians(30), high)
+    assert radians(30) == MARK
+    narrow = SimpleNamespace(standing_angle=lambda j: 0.1, span=lambda j: (-0.1, 0.2))
+    assert marks(narrow, "j") == (-0.1, 0.2)
+
+
+def test_strokes_turn_all_legs_then_raise_all_feet_and_then_each():
+    robot, rate = load("hexapod-classroom"), 20.0
+    found, meanings = strokes(robot, rate)
+    legs, rise = len(robot.legs), round(SECONDS * rate)
+    length = 4 * rise
+    assert len(found.angles) == (2 + legs) * length
+    rest = np.array([robot.standing_angle(joint) for joint in found.joints])
+    moved = found.angles - rest
+    swings = [found.joints.index(leg.swing) for leg in robot.leg_cards]
+    lifts = [found.joints.index(leg.lift) for leg in robot.leg_cards]
+    middle = length // 4 + rise // 2
+    kinematics = Kinematics(robot)
+    for leg, swing in zip(robot.leg_cards, swings, strict=True):
+        axis = kinematics.hinge(leg.swing)[0]
+        room = min(
+            abs(e - robot.standing_angle(leg.swing)) for e in robot.span(leg.swing)
+        )
+        # anticlockwise, seen from above
+        assert moved[middle, swing] * np.sign(axis[2]) == pytest.approx(
+            min(SWING, room)
+        )
+    assert (moved[middle, lifts] == 0).all()
+    for k, (leg, lift) in enumerate(zip(robot.leg_cards, lifts, strict=True)):
+        high = leg.raise_sign * robot.card.lift_angle
+        assert moved[length + middle, lift] == pytest.approx(high)
+        row = moved[(2 + k) * length + middle]
+        assert row[lift] == pytest.approx(high)
+        assert np.count_nonzero(row) == 1
+    for stroke in range(2 + legs):  # it begins and ends at rest, with a while between
+        part = moved[stroke * length : (stroke + 1) * length]
+        assert (part[0] == 0).all()
+        assert (part[3 * rise :] == 0).all()
+        most = np.abs(part).max(axis=0)
+        assert np.abs(part[rise : 2 * rise]) == pytest.approx(np.tile(most, (rise, 1)))
+    assert [*meanings] == ["0 to 8 s", "to 16 s", "to 64 s"]
+
+
+def test_a_sheet_has_feet_in_rings_of_a_degree_of_their_swing(tmp_path):
+    robot = load("hexapod-classroom")
+    sheet(robot, tmp_path / "feet.svg")
+    text = (tmp_path / "feet.svg").read_text()
+    kinematics = Kinematics(robot)
+    for card, foot in zip(
+        robot.card.legs.values(), kinematics.standing.feet, strict=True
+    ):
+        hip = kinematics.hinge(card.swing)[1][:2]
+        ring = np.linalg.norm(foot - hip) * pi / 180
+        assert (
+            f" a {1e3 * ring:.3f} {1e3 * ring:.3f} 0 1 0 {2e3 * ring:.3f} 0 a " in text
+        )
+        bearing = np.degrees(np.arctan2(*(foot - hip)[::-1]))
+        assert f", {bearing:.0f}°</text>" in text
+    feet = kinematics.standing.feet
+    width, height = 1e3 * (np.ptp(feet, axis=0) + 4 * 0.02)  # x is up
+    assert f'width="{height:.3f}mm"' in text or f'width="{width:.3f}mm"' in text
+
+
+def test_servos_replace_those_of_a_card_and_leave_other_tables():
+    text = "name = 1\n[servo.one]\nchannel = 8\n[legs]\nx = 1\n[board]\nclock = 1\n"
+    servo = JointServo(
+        channel=3, sign=-1, center=301.5, offset=0.25, limits=(-1.0, 1.5)
+    )
+    card = card_with(text, {"one": servo}, 25_870_000.4)
+    lines = card.splitlines()
+    assert lines[:3] == ["name = 1", "[legs]", "x = 1"]
+    assert "clock = 25870000  # [Hz], measured" in lines
+    below = lines[lines.index("[servo.one]") + 1 :]
+    numbers = ["channel = 3", "sign = -1", "center = 301.5", "offset = 0.25"]
+    assert below == [*numbers, "limits = [-1.0, 1.5]"]
+    assert "[board]" not in card_with("a = 1\n", {}, None)
+    assert card_with("a = 1\n", {}, None) == "a = 1\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("- {name: a, id: 1, ticks: 0, center: 5, max_radians: 1}", "must be positive"),
+        ("- {name: a, id: 1, ticks: 9, center: 5, max_radians: 0}", "must be positive"),
+        ("[]", "no servos"),
+        ("{}", "no servos"),
+        ("SERVOS: 3", "no servos"),
+    ],
+)
+def test_ros_tables_have_servos_with_ticks_over_an_angle(tmp_path, text, said):
+    path = tmp_path / "servos.yaml"
+    path.write_text(text)
+    with pytest.raises(UsageError, match=said):
+        read_ros_table(path)
+
+
+def test_a_ros_servo_goes_from_its_first_tick_to_its_last(tmp_path):
+    path = tmp_path / "servos.yaml"
+    path.write_text("a: {name: a, id: 7, ticks: 100, center: 30, max_radians: 2}\n")
+    servo = read_ros_table(path)["a"]
+    assert (servo.channel, servo.sign, servo.center, servo.offset) == (7, 1, 30, 0)
+    assert servo.counts_per_radian == 50
+    assert servo.limits == pytest.approx((-0.6, 1.38))
+
+
+@pytest.mark.parametrize("step", [31, -31, 32, -32, 300, 1])
+def test_small_changes_take_a_digit_and_others_four(step):
+    """A row has a digit for how long it holds, and one for what changes."""
+    counts = np.array([[1000, 50], [1000 + step, 50]])
+    first, both = pack(counts[:1]), pack(counts)
+    assert len(both) - len(first) == 2 + (1 if abs(step) < 32 else 4)
+    assert unpack(both, 2).tolist() == counts.tolist()
+
+
+@pytest.mark.parametrize("held", [1, 62, 63, 64, 126, 127, 200])
+def test_a_row_holds_up_to_63_commands(held):
+    counts = np.tile([[5, 6, 7]], (held, 1))
+    packed = pack(counts)
+    assert unpack(packed, 3).tolist() == counts.tolist()
+    rows = -(-held // 63)
+    assert len(packed) == 2 * rows + 3
+    assert [ord(c) - ord("#") for c in packed[:1]] == [min(held, 63)]
+
+
+@pytest.mark.parametrize("joints", [1, 6, 7, 12, 13])
+def test_six_channels_share_a_digit_that_says_which_change(joints):
+    counts = np.zeros((2, joints), dtype=int)
+    counts[1, -1] = 1
+    assert unpack(pack(counts), joints).tolist() == counts.tolist()
+    assert len(pack(counts)) == 2 * (1 + -(-joints // 6)) + 1
+
+
+def test_pulses_of_16_bits_are_packed():
+    counts = np.array([[65535, 0], [0, 65535], [4095, 4096]])
+    assert unpack(pack(counts), 2).tolist() == counts.tolist()
+
+
+def test_names_in_c_are_words_and_comments_stay_comments():
+    assert identifier("My walk (2)!") == "walk_my_walk_2"
+    assert in_comment("a*/b\n?c\\") == "a_/b__c_"
+
+
+def test_rows_of_commands_come_in_stretches_and_hold_where_there_is_no_servo():
+    held = ServoCommands(JOINTS, 50.0, np.array([[1.0, 2.0]]))
+    rest, steps = np.array([7.0, 8.0, 9.0]), 2 * STRETCH + 3
+    blocks = list(held.rows(rest, np.array([0, 2]), steps, 0.001))
+    assert [len(block) for block in blocks] == [STRETCH, STRETCH, 3]
+    assert (np.concatenate(blocks) == [1.0, 8.0, 2.0]).all()
+    one = list(held.rows(rest, np.array([0, 2]), 5, 0.001, interpolated=True))
+    assert (np.concatenate(one) == [1.0, 8.0, 2.0]).all()
+
+
+def test_interpolated_commands_go_on_across_stretches():
+    count = 400
+    ramp = ServoCommands(("a",), 50.0, np.arange(float(count))[:, None])
+    steps = count * 20
+    rows = np.concatenate(
+        list(ramp.rows(np.zeros(1), np.array([0]), steps, 0.001, True))
+    )
+    best = np.minimum(np.arange(steps) * 0.05, count - 1)
+    assert rows[:, 0] == pytest.approx(best)
+
+
+@pytest.mark.parametrize("rate", [1000.0, 1000.1])
+def test_commands_are_at_most_one_a_step(rate):
+    ctrl = np.arange(10.0)[:, None]
+    if rate > 1000:
+        with pytest.raises(UsageError, match="give at most 1000"):
+            taken(ctrl, ("a",), np.array([0]), rate, 0.001)
+    else:
+        found = taken(ctrl, ("a",), np.array([0]), rate, 0.001)
+        assert found.angles[:, 0].tolist() == ctrl[:, 0].tolist()
+
+
+@pytest.mark.parametrize(
+    ("rate", "angles", "said"),
+    [
+        (np.inf, np.zeros((1, 2)), "rate must be positive, got inf"),
+        (-1.0, np.zeros((1, 2)), "rate must be positive, got -1"),
+        (50.0, np.zeros(2), r"angles of shape \(2,\) for 2 joints"),
+        (50.0, np.zeros((1, 3)), r"angles of shape \(1, 3\) for 2 joints"),
+        (50.0, np.zeros((0, 2)), "no command"),
+        (50.0, np.full((1, 2), np.nan), "not a finite number"),
+    ],
+)
+def test_commands_are_finite_angles_of_all_joints(rate, angles, said):
+    with pytest.raises(ValueError, match=said):
+        ServoCommands(JOINTS, rate, angles)
+    assert isinstance(table(), ServoTable)
