@@ -1,27 +1,19 @@
 """Verdicts and causes at both sides of their borders, on a walk changed by hand."""
 
-from copy import copy
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from sim.evaluation.causes import Evidence, likely_cause
-from sim.evaluation.deviations import Scale, sensed
+from sim.evaluation.causes import Evidence
+from sim.evaluation.deviations import Scale
 from sim.evaluation.phases import (
-    carried_out,
-    commanded_pace,
-    count_changes,
-    moving_time,
     standing_slip,
-    swing_travel,
 )
 from sim.evaluation.summary import DEGREE, Departure, Weighed
 from sim.evaluation.verdict import _by_the_nearest, _share, judge
-from sim.physics.measure import ContactLog
 from sim.scenarios.file import load_scenario
-from tests.sim.evaluation.test_causes import with_recording, with_settings, with_setup
+from tests.sim.evaluation.test_causes import with_recording
 from tests.walks import simulated
 
 
@@ -80,22 +72,6 @@ def test_a_body_that_loses_half_its_height_has_fallen(evidence, share, fell):
     if fell:
         lost = 1e3 * share * height
         assert f"the body sank by {lost:.0f} of {1e3 * height:.0f} mm" in found.text
-
-
-@pytest.mark.parametrize(
-    ("own", "walls", "said"),
-    [
-        (1, 0, "parts of the robot touched each other 1 time;"),
-        (2, 0, "parts of the robot touched each other 2 times;"),
-        (0, 1, "the robot touched obstacles 1 time;"),
-        (3, 4, "touched each other 3 times and the robot touched obstacles 4 times;"),
-    ],
-)
-def test_whatever_touches_is_counted(evidence, own, walls, said):
-    touched = with_recording(evidence, self_contacts=own, wall_contacts=walls)
-    found = verdict(touched)
-    assert found.word == "collided"
-    assert said in found.text
 
 
 @pytest.mark.parametrize(("goal", "word"), [(0.049, "arrived"), (0.051, "missed")])
@@ -241,140 +217,3 @@ def test_words_beyond_a_tolerance_name_what_is_off():
 )
 def test_yaw_is_told_from_a_degree_on(yaw, said):
     assert str(Departure(position=0.0025, yaw=yaw * DEGREE)) == said
-
-
-def bouncing(evidence, per_landing):
-    landings = 3 * sum(p.kind == "land" for p in evidence.walk.phases)
-    bounces = np.zeros(6, dtype=int)
-    bounces[2] = round(per_landing * landings)
-    return with_recording(evidence, bounces_of=bounces)
-
-
-@pytest.mark.parametrize(("each", "told"), [(5.0, False), (5.2, True)])
-def test_five_bounces_a_touchdown_are_a_cause(evidence, each, told):
-    assert ("bounced" in likely_cause("drifted", bouncing(evidence, each))) == told
-
-
-@pytest.mark.parametrize(("share", "light"), [(0.19, True), (0.21, False)])
-def test_joints_of_a_fifth_of_a_motors_inertia_are_light(evidence, share, light):
-    from sim.world.motors import inertia_share
-
-    robot, model = evidence.walk.setup.robot, copy(evidence.walk.setup.model)
-    leg = robot.leg_cards[2]
-    own = inertia_share(robot, model, (leg.swing, leg.lift))
-    model.dof_M0[:] *= share / own
-    said = likely_cause("drifted", with_setup(bouncing(evidence, 9.0), model=model))
-    assert (f"{100 * share:.0f} % of the inertia of a motor" in said) == light
-    assert ("too stiff" in said) != light
-
-
-@pytest.mark.parametrize(("part", "told"), [(0.0095, False), (0.0105, True)])
-def test_a_servo_at_its_limit_in_a_hundredth_of_all_steps_is_named(
-    evidence, part, told
-):
-    limited = np.zeros(evidence.walk.setup.model.nu)
-    limited[3] = part * evidence.walk.steps
-    found = likely_cause("fell", with_recording(evidence, limited=limited))
-    assert ("gave all its" in found) == told
-
-
-@pytest.mark.parametrize(("bent", "told"), [(0.029, False), (0.031, True)])
-def test_servos_that_lag_by_30_mrad_on_average_are_soft(evidence, bent, told):
-    model, moments = evidence.walk.setup.model, evidence.walk.recording.moments
-    place = model.joint("lift_6").qposadr[0]
-    qpos, walking = moments.qpos.copy(), evidence.walking
-    ctrl = np.concatenate(list(evidence.walk.commands()))[moments.step[walking] - 1]
-    qpos[walking, place] = ctrl[:, evidence.drives["lift_6"]] + bent * (
-        -1
-    ) ** np.arange(walking.sum())
-    changed = with_recording(evidence, moments=moments._replace(qpos=qpos))
-    said = likely_cause("drifted", changed)
-    assert ("'lift_6'" in said) == told
-    assert (f"is {1e3 * bent:.0f} mrad off" in said) == told
-
-
-@pytest.mark.parametrize(("share", "told"), [(0.04, True), (0.06, False)])
-def test_a_foot_that_carries_in_a_twentieth_of_its_time_never_does(
-    evidence, share, told
-):
-    contact, walking = evidence.achieved.contact.copy(), evidence.walking
-    planned = np.flatnonzero(evidence.best.contact[:, 4] & walking)
-    contact[:, 4] = False
-    contact[planned[: round(share * len(planned))], 4] = True
-    changed = replace(evidence, achieved=replace(evidence.achieved, contact=contact))
-    assert ("leg 5 never carried" in likely_cause("fell", changed)) == told
-
-
-@pytest.mark.parametrize(("used", "told"), [(0.49, False), (0.51, True)])
-def test_a_slope_that_takes_half_of_the_friction_is_steep(evidence, used, told):
-    steep = with_settings(
-        evidence, slope=(float(np.arctan(used * 0.4)), 0.0), friction=0.4
-    )
-    said = likely_cause("drifted", steep)
-    assert (f"takes {100 * used:.0f} % of the friction" in said) == told
-
-
-@pytest.mark.parametrize(("used", "told"), [(0.49, False), (0.51, True)])
-def test_strokes_that_take_half_of_what_friction_holds_are_hasty(evidence, used, told):
-    rates = np.linalg.norm(evidence.walk.setup.kinematics.standing.rates, axis=-1)
-    held = evidence.walk.setup.scenario.friction * 9.81
-    hasty = with_settings(evidence, swing_acceleration=used * held / float(rates.max()))
-    assert ("swing_acceleration" in likely_cause("slipped", hasty)) == told
-
-
-def test_lifts_swings_and_times_of_a_walk_are_counted(evidence):
-    walk = evidence.walk
-    switches, fastest = commanded_pace(walk)
-    kinds = [p.kind for p in walk.phases]
-    assert switches == kinds.count("lift") + kinds.count("land")
-    assert count_changes(walk) == switches
-    moving = [p for p in walk.phases if p.kind != "hold"]
-    dt = walk.setup.limits.timestep
-    assert moving_time(walk) == pytest.approx((moving[-1].stop - moving[0].start) * dt)
-    swings = [p for p in walk.phases if p.kind == "swing"]
-    groups = walk.setup.robot.groups
-    loaded, free = (swing_travel(swings, groups, loaded=way) for way in (True, False))
-    whole = sum(abs(p.amount) * sum(map(abs, p.direction)) for p in swings)
-    assert loaded + free == pytest.approx(whole)
-    assert 0 < loaded < whole
-    peaks, schedule = [], walk.stretches[-1].schedule
-    for phase in swings:  # by the commands themselves
-        rows = np.arange(phase.start, phase.stop) - schedule.start
-        swing, _ = schedule.angles(rows)
-        peaks.append(np.abs(np.diff(swing, axis=0)).max() / dt)
-    assert fastest == pytest.approx(max(peaks), rel=1e-2)
-    told = carried_out(walk)
-    assert [p.kind for p in told] == kinds
-    assert told[-1].end == pytest.approx(walk.phases[-1].stop * dt)
-
-
-def test_a_group_changes_when_its_last_foot_does(evidence):
-    walk, own = evidence.walk, evidence.walk.setup.robot.group_of_leg == 0
-    rows = np.ones((7, 6), dtype=bool)
-    rows[1, np.flatnonzero(own)[0]] = False  # one foot alone is no lift-off
-    rows[3:5, own] = False
-    rows[5, np.flatnonzero(own)[0]] = False
-    assert count_changes(walk, rows) == 2
-    log = ContactLog(walk.starts + np.arange(7), rows)
-    seen = replace(walk, recording=replace(walk.recording, contacts=log))
-    assert count_changes(seen) == 2
-
-
-def test_what_feedback_thinks_is_told_if_it_was_told_something(evidence):
-    assert sensed(evidence.walk) is None
-    exact = SimpleNamespace(
-        feedback=SimpleNamespace(sensing=SimpleNamespace(is_exact=True))
-    )
-    assert sensed(SimpleNamespace(followed=exact)) is None
-    stop = SimpleNamespace(expected=(0.3, 0.4, 3.1), true=(0.0, 0.0, -3.1))
-    sensing = SimpleNamespace(is_exact=False, sees_position=True)
-    followed = SimpleNamespace(
-        feedback=SimpleNamespace(sensing=sensing), stops=[stop],
-        claimed=(0.01, 0.02), bound=(0.003, 0.004),
-    )  # fmt: skip
-    found = sensed(SimpleNamespace(followed=followed))
-    assert found.wrong == pytest.approx(0.5)
-    assert found.wrong_yaw == pytest.approx(2 * np.pi - 6.2)
-    assert (found.claimed, found.claimed_yaw) == (0.01, 0.02)
-    assert (found.bound, found.bound_yaw) == (0.003, 0.004)
-    assert found.thought == [0.3, 0.4, 3.1]
