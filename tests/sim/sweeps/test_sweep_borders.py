@@ -1,0 +1,186 @@
+"""Sweeps at the borders of what they take: counts, ends, scales, points and folders."""
+
+import math
+
+import numpy as np
+import pytest
+
+from sim.errors import UsageError
+from sim.sweeps.file import (
+    MOST_POINTS,
+    Sweep,
+    flat,
+    grid_blocks,
+    left_out,
+    list_block,
+    read_sweep,
+    sobol_block,
+)
+
+
+def stretched(given, key="friction"):
+    ((_, choices),) = grid_blocks({key: given})
+    return [value for (value,) in choices]
+
+
+@pytest.mark.parametrize("count", [1, 2, 5])
+def test_a_range_has_as_many_values_as_it_counts(count):
+    found = stretched({"from": 0.2, "to": 0.6, "count": count})
+    assert found == pytest.approx(np.linspace(0.2, 0.6, count).tolist())
+    log = stretched({"from": 0.01, "to": 100.0, "count": count, "scale": "log"})
+    assert log == pytest.approx(np.geomspace(0.01, 100.0, count).tolist())
+    assert stretched({"from": 0.2, "to": 0.6, "count": 2, "scale": "linear"}) == [
+        0.2,
+        0.6,
+    ]
+
+
+def test_values_have_twelve_digits_and_whole_settings_none():
+    third = stretched({"from": 0.0, "to": 1.0, "count": 4})[1]
+    assert third == 0.333333333333
+    assert stretched({"from": 1, "to": 10, "count": 4}, "segments") == [1, 4, 7, 10]
+    assert stretched({"from": 1, "to": 2, "count": 4}, "segments") == [1, 1, 2, 2]
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"from": 0.1, "to": 0.2, "count": 0}, "whole number from 1 to 50000"),
+        ({"from": 0.1, "to": 0.2, "count": 50_001}, "whole number from 1 to 50000"),
+        ({"from": 0.1, "to": 0.2, "count": True}, "whole number from 1"),
+        ({"from": 0.1, "to": 0.2, "count": 2.0}, "whole number from 1"),
+        (
+            {"from": 0.0, "to": 1.0, "count": 2, "scale": "log"},
+            "from 0.0 to 1.0 is not",
+        ),
+        ({"from": 0.1, "to": 1.0, "count": 2, "scale": "cubic"}, "scale = 'cubic'"),
+        ({"from": 0.1, "to": math.inf, "count": 2}, "no two ends"),
+        ({"from": 0.1, "to": "x", "count": 2}, "no two ends"),
+        ({"from": 0.1, "to": True, "count": 2}, "no two ends"),
+        ({"from": 0.1, "to": 0.2, "count": 2, "step": 1}, "neither a list nor a range"),
+        ([], "neither a list nor a range"),
+        (0.5, "neither a list nor a range"),
+    ],
+)
+def test_what_is_no_range_is_refused(given, said):
+    with pytest.raises(UsageError, match=said):
+        list(grid_blocks({"friction": given}))
+
+
+def test_lists_side_by_side_are_equally_long():
+    keys, choices = list_block({"a": [1, 2], "b": [3, 4]})
+    assert (keys, choices) == (("a", "b"), [(1, 3), (2, 4)])
+    with pytest.raises(UsageError, match="different lengths, a has 1, b has 2: "):
+        list_block({"a": [1], "b": [3, 4]})
+    assert list_block({"a": [1, 2, 3]})[1] == [(1,), (2,), (3,)]
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 8, 9])
+def test_samples_are_as_many_as_asked_for_and_lie_in_their_spans(count):
+    keys, choices = sobol_block({
+        "points": count, "seed": 3, "friction": [0.3, 0.9], "segments": [2, 9],
+        "payload.mass": {"from": 0.01, "to": 10.0, "scale": "log"},
+    })  # fmt: skip
+    assert keys == ("friction", "segments", "payload.mass")
+    assert len(choices) == count
+    for friction, segments, mass in choices:
+        assert 0.3 <= friction <= 0.9
+        assert segments in range(2, 10)
+        assert isinstance(segments, int)
+        assert 0.01 <= mass <= 10.0
+    assert sobol_block({"points": count, "friction": [0, 1]}) == sobol_block(
+        {"points": count, "seed": 0, "friction": [0, 1]}
+    )
+
+
+def test_logarithmic_samples_are_even_in_their_logarithm():
+    _, choices = sobol_block(
+        {"points": 256, "a": {"from": 0.01, "to": 100.0, "scale": "log"}}
+    )
+    logs = np.log10([value for (value,) in choices])
+    assert np.mean(logs) == pytest.approx(0.0, abs=0.05)
+    assert np.quantile(logs, [0.25, 0.75]) == pytest.approx([-1.0, 1.0], abs=0.05)
+
+
+@pytest.mark.parametrize(
+    ("table", "said"),
+    [
+        ({"points": 0, "a": [0, 1]}, "points = 0 is not allowed"),
+        ({"points": MOST_POINTS + 1, "a": [0, 1]}, "from 1 to 50000"),
+        ({"points": 4, "seed": -1, "a": [0, 1]}, "seed = -1"),
+        ({"points": 4, "seed": 2**32, "a": [0, 1]}, "from 0 to 4294967295"),
+        ({"points": 4}, "no key varies"),
+        ({"points": 4, "a": [0, 1, 2]}, "no two ends"),
+        ({"points": 4, "a": [0]}, "no two ends"),
+    ],
+)
+def test_samples_that_cannot_be_drawn_are_refused(table, said):
+    with pytest.raises(UsageError, match=said):
+        sobol_block(table)
+
+
+def made(*counts, **parts):
+    blocks = tuple(((f"k{n}",), [(v,) for v in range(c)]) for n, c in enumerate(counts))
+    return Sweep("s", {}, {}, blocks, (), **parts)
+
+
+def test_points_are_numbered_with_the_last_key_fastest():
+    sweep = made(2, 3, 2)
+    assert len(sweep) == 12
+    assert sweep.keys == ("k0", "k1", "k2")
+    found = [tuple(sweep.varied(point).values()) for point in range(12)]
+    assert found == sorted(found)
+    assert found[5] == (0, 2, 1)
+    assert len(set(found)) == 12
+
+
+def test_a_sweep_has_fifty_thousand_points_at_most():
+    assert len(made(MOST_POINTS)) == 50_000
+    with pytest.raises(UsageError, match="50001 points: .* at most 50000 points"):
+        made(MOST_POINTS + 1)
+
+
+def test_tables_are_flattened_but_for_ranges_and_what_has_a_kind():
+    table = {
+        "a": {"b": 1, "c": {"d": 2}},
+        "r": {"from": 0, "to": 1},
+        "p": {"kind": "k"},
+    }
+    assert dict(flat(table)) == {
+        "a.b": 1, "a.c.d": 2, "r": {"from": 0, "to": 1}, "p": {"kind": "k"},
+    }  # fmt: skip
+    assert dict(flat({"r": {"from": 0}})) == {"r.from": 0}
+
+
+def test_measures_that_are_left_out_are_sorted_and_known():
+    assert left_out(["creep_floor", "compliant"]) == ("compliant", "creep_floor")
+    for given in ("compliant", ["ideal"], 3):
+        with pytest.raises(UsageError, match="give a list of identified and compliant"):
+            left_out(given)
+
+
+@pytest.mark.parametrize(
+    ("keep", "said"),
+    [
+        ("points = [0, 3]", ""),
+        ("points = [4]", "points = \\[4\\] is not allowed.*from 0 to 3"),
+        ("points = [-1]", "from 0 to 3"),
+        ("points = [true]", "from 0 to 3"),
+        ("points = 2", "from 0 to 3"),
+        ("points = [1]\nfilm = 1", "film = 1: \\[keep\\]; give true or false"),
+    ],
+)
+def test_run_folders_are_of_points_that_there_are(tmp_path, keep, said):
+    path = tmp_path / "s.toml"
+    grid = "[grid]\nfriction = [0.5, 0.6]\nsegments = [2, 3]\n"
+    path.write_text(f'scenario = "line"\n{grid}[keep]\n{keep}\n')
+    if said:
+        with pytest.raises(UsageError, match=said):
+            read_sweep(str(path))
+        return
+    sweep = read_sweep(str(path))
+    assert sweep.run_folders == (0, 3)
+    assert sweep.filmed is False
+    path.write_text(path.read_text().replace("[0, 3]", "[3, 0, 3]\nfilm = true"))
+    assert read_sweep(str(path)).run_folders == (0, 3)
+    assert read_sweep(str(path)).filmed is True
