@@ -68,8 +68,9 @@ def test_angles_are_those_of_the_law_integrated_finely(load, band, zero):
     found = law(SWINGING, load).answers(servo(band=band, zero=zero)[None], TIMES[1:-1])
     best = integrated(SWINGING, load, 9.0, 0.1, 2e-3, band, zero)[1:-1]
     off = np.abs(found[0, :, 0] - best)
-    # of 0.3 rad; of the moment within a step at which a joint leaves the band
-    assert off.max() < (1e-3 if band else 3e-4)
+    # 4e-5 rad measured of 0.3, and 2e-4 where the load turns: a joint leaves the
+    # band within a step
+    assert off.max() < (3e-4 if band and np.ndim(load) else 8e-5)
 
 
 def test_variants_and_joints_are_answered_side_by_side():
