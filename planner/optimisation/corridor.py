@@ -16,6 +16,7 @@ import numpy as np
 from planner.numerics.arrays import Array
 
 SLACK = 1e-12  # relative, so that rounding does not exclude the largest distance
+TIED = 1e-9  # of other coordinates, by which points at equal distances are told apart
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +39,7 @@ def deviation(
     States (T, n) are in time order; the first belongs to the path's start and the last
     to its end. Deviations are exact to half the distance between two of the path's
     points (K, n). The first group, the position, determines the companion of each
-    state; the others are compared at that point.
+    state, and the others do where positions are alike, as in a turn on the spot.
     """
     moved = np.append(True, (np.diff(states, axis=0) != 0).any(axis=1))
     most, found = _followed(states[moved], path, groups)
@@ -58,17 +59,19 @@ def _followed(
     A companion cannot be closer than the nearest point of the path. In most cases that
     distance can be kept, and the general algorithm is not needed.
     """
-    squares = sum((states[:, None, i] - path[None, :, i]) ** 2 for i in groups[0])
-    apart: Array = np.sqrt(squares)  # (T, K)
+    apart, *others = (  # (T, K) each
+        np.sqrt(sum((states[:, None, i] - path[None, :, i]) ** 2 for i in group))
+        for group in groups
+    )
     most = float(max(apart[0, 0], apart[-1, -1], apart.min(axis=1).max()))
     forward = _reachable(apart, most)
     if not forward[-1, -1]:
         most = _frechet(apart)
         forward = _reachable(apart, most)
     backward = _reachable(apart[::-1, ::-1], most)[::-1, ::-1]
-    off = states - path[np.where(forward & backward, apart, np.inf).argmin(axis=1)]
-    found = [np.linalg.norm(off[:, list(group)], axis=1) for group in groups]
-    return most, np.stack(found, axis=1)
+    allowed = np.where(forward & backward, apart + TIED * sum(others), np.inf)
+    own = np.arange(len(states)), allowed.argmin(axis=1)
+    return most, np.stack([each[own] for each in (apart, *others)], axis=1)
 
 
 def _frechet(apart: Array) -> float:

@@ -45,8 +45,7 @@ class Places:
         moment = beyond @ (mass[..., None] * self.link)
         moment = moment - (mass @ beyond.T)[..., None] * self.anchor
         turned = cross(moment, np.broadcast_to(gravity[:, None, None], moment.shape))
-        torque: Array = (self.axis * turned).sum(axis=-1)
-        return torque
+        return (self.axis * turned).sum(axis=-1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,8 +98,7 @@ class Skeleton:
 
 def _apply(frames: Array, vectors: Array) -> Array:
     """Rotations (B, F, 3, 3) of a vector a foot, (F, 3)."""
-    turned: Array = (frames @ vectors[..., None])[..., 0]
-    return turned
+    return (frames @ vectors[..., None])[..., 0]
 
 
 def cross(a: Array, b: Array) -> Array:

@@ -46,8 +46,7 @@ class Posture:
     def height(self) -> Array:
         """Of each foot above the lowest one, (N, F) [m]."""
         height = self.feet[..., 2]
-        above: Array = height - height.min(axis=1, keepdims=True)
-        return above
+        return height - height.min(axis=1, keepdims=True)
 
     @property
     def near(self) -> float:
@@ -110,8 +109,7 @@ def _together(J: Array) -> Array:
     A force f moves the sole by J J' f; what counts are its upward parts.
     """
     upward = float(np.sqrt((J[2] ** 2).sum()))
-    gives: Array = np.append(J[:2] @ J[2] / max(upward, FLAT_FEET), upward)
-    return gives
+    return np.append(J[:2] @ J[2] / max(upward, FLAT_FEET), upward)
 
 
 def _shares(feet: Array, center: Array, three: Array) -> Array:

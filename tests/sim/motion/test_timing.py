@@ -240,3 +240,18 @@ def test_departures_from_a_path_are_of_place_and_of_yaw():
     wrapped = turning.copy()
     wrapped[:, 2] = (wrapped[:, 2] + np.pi) % (2 * np.pi) - np.pi
     assert path_deviation(line((0, 0, 0), (1, 0, 5.0)), wrapped).yaw < 0.01
+
+
+@pytest.mark.parametrize("aside", [0.0, 0.002])
+def test_a_turn_on_the_spot_departs_from_the_yaw_by_what_it_lags(aside):
+    """All points of such a path are as near, and yaw tells which of them is meant."""
+    share = np.linspace(0.0, 1.0, 300)
+    poses = np.stack([aside * np.sin(40 * share), 0 * share, 2.0 * share], axis=1)
+    path = line((0, 0, 0), (0, 0, 2.0))
+    assert path_deviation(path, poses).yaw < 0.002
+    poses[150, 2] += 0.1
+    turned = path_deviation(path, poses)
+    assert turned.yaw < 0.002  # it is early there, and no farther off the path
+    poses[:, 2] *= 1.1
+    assert path_deviation(path, poses).yaw == pytest.approx(0.2, abs=0.01)
+    assert turned.position == pytest.approx(aside, abs=1e-4)

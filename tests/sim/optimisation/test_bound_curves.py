@@ -12,6 +12,7 @@ from sim.optimisation.judging import Judge, task_of
 from sim.optimisation.lower_bound import (
     ANGLES,
     ROUNDED_STEPS,
+    Curve,
     _curve,
     least_time,
     shortest_way,
@@ -144,3 +145,49 @@ def test_the_bound_is_no_less_than_the_way_at_the_largest_speed(monkeypatch):
     assert least_time(setup, 0.01) == pytest.approx(0.1 / top_speed(setup))
     monkeypatch.setattr(lower_bound, "_proven", lambda *given: 10.0 * given[-1])
     assert least_time(setup, 0.01) == 40.0  # of one to four pieces, the best
+
+
+@pytest.mark.parametrize("count", [1, 2, 4])
+def test_pieces_of_a_path_have_their_own_headings_ways_and_room_at_cuts(
+    monkeypatch, count
+):
+    """A heading that grows all along the path; only its ends are met exactly."""
+    seen = []
+    monkeypatch.setattr(lower_bound, "_certificate", lambda *given: seen.append(given))
+    setup = prepare(load_scenario("line"))
+    share = np.linspace(0, 1, 101)
+    points = np.stack([share, share**2, 2 * share], axis=1)
+    assert lower_bound._proven(setup, [], points, 0.01, 0.1, count) == 0.0
+    ((_, spans, ways, loose, overlapped),) = seen
+    edges = np.linspace(0, 1, count + 1)
+    for (low, high), begin, end in zip(spans, edges[:-1], edges[1:], strict=True):
+        assert (low, high) == pytest.approx((2 * begin - 0.1, 2 * end + 0.1))
+    assert ways == pytest.approx(np.diff(np.stack([edges, edges**2], axis=1), axis=0))
+    cuts = np.full(count + 1, 0.01)
+    cuts[[0, -1]] = 0.0
+    assert loose == pytest.approx(cuts[1:] + cuts[:-1])
+    assert overlapped is False
+
+
+def test_what_is_proven_is_the_gain_over_rho_less_a_visit_at_each_cut(monkeypatch):
+    setup = prepare(load_scenario("line"))
+    points = np.stack([np.linspace(0, 1, 101), np.zeros(101), np.zeros(101)], axis=1)
+    leads = np.array([[30.0, 0.0], [40.0, 0.0]])
+    angles = np.linspace(-0.5, 0.5, ANGLES)
+    slow = Curve(angles, 0 * angles, 0 * angles, 0.0, 0.3 + 2 * (angles + 0.5), 0.0)
+    found = leads, np.zeros((1, ANGLES)), 0.25
+    asked = []
+    monkeypatch.setattr(lower_bound, "_certificate", lambda *_: found)
+
+    def rate(curve, span, lead, height, weight):
+        asked.append(weight)
+        return 2.0 if lead[0] == 40.0 else 0.5
+
+    monkeypatch.setattr(lower_bound, "_largest_rate", rate)
+    proven = lower_bound._proven(setup, [slow], points, 0.01, 0.1, 2)
+    gained = 30 * 0.5 + 40 * 0.5 - (30 + 40) * 0.01
+    assert proven == pytest.approx(gained / 2.0 - (0.3 + slow.spare))
+    assert asked == [0.75, 0.75]
+    monkeypatch.setattr(lower_bound, "_largest_rate", lambda *_: 0.1)
+    fast = lower_bound._proven(setup, [slow], points, 0.01, 0.1, 2)
+    assert fast == pytest.approx(gained - (0.3 + slow.spare))  # rho is at least 1
