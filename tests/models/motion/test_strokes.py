@@ -75,8 +75,8 @@ def test_a_body_goes_where_its_twist_carries_it():
 
 
 @pytest.mark.parametrize(
-    ("size", "count"),
-    [(0.01, 1), (PANEL, 1), (1.01 * PANEL, 2), (3 * PANEL, 3), (0.0, 1)],
+    ("share", "count"),
+    [(0.2, 1), (1.0, 1), (1.01, 2), (3.0, 3), (0.0, 1)],
 )
 def test_a_stroke_has_as_many_panels_as_its_longest_swing_needs(share, count):
     size = share * PANEL
