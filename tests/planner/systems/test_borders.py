@@ -28,7 +28,7 @@ WALKER = StratifiedSystem(
         ((), "a gait visits at least one stratum, got none (eq. 11)"),
         (("12", "1"), "gait S12 -> S1 does not close: it starts in S12 and ends"),
         (("12", "2", "1", "12"), "gait S12 -> S2 -> S1 -> S12 steps from S2 to S1, wh"
-                                 "ich are not neighbours; the neighbours of S2: S12, S"),
+                                 "ich are not neighbours; the neighbours of S2: S12, "),
         (("12", "7", "12"), "stratum '7' of gait S12 -> S7 -> S12"),
     ],
 )  # fmt: skip
