@@ -36,6 +36,19 @@ def test_going_back_costs_half_the_way_back():
     assert position == pytest.approx(0.2, abs=1e-3)  # a point half a way back waits
 
 
+def test_a_jump_of_one_in_every_coordinate_counts():
+    states = np.array([[0.0, 0, 0], [1, 1, 1], [0, 0, 0]])
+    found = deviation(states, np.zeros((5, 3)), [POSITION, YAW])
+    assert found == pytest.approx((np.sqrt(2), 1.0))
+
+
+def test_states_that_stand_still_change_nothing():
+    states = along(np.linspace(0.0, 1.0, 50), y=0.3, yaw=0.2)
+    slow = np.repeat(states, 3, axis=0)
+    groups = [POSITION, YAW]
+    assert deviation(slow, PATH, groups) == deviation(states, PATH, groups)
+
+
 def test_gaps_say_which_state_is_how_far_off():
     y = np.where(np.arange(50) == 20, 0.3, 0.1)
     found = gaps(along(np.linspace(0, 1, 50), y=y, yaw=0.2), PATH, [POSITION, YAW])

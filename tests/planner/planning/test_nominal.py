@@ -109,6 +109,13 @@ def test_inputs_are_zero_where_a_segment_stands_still():
     assert inputs[1] == pytest.approx(np.tile([0.0, 1.0, 0.0], (5, 1)), abs=1e-12)
 
 
+def test_a_segment_moves_whose_coordinates_are_equal_at_every_moment():
+    extended = extend(PLAIN, ["f", "g"])
+    samples = line([0, 0], [1, 1]).at(collocation(5).nodes)[None]
+    inputs = fictitious_inputs_along(extended, samples)
+    assert inputs == pytest.approx(np.ones((1, 5, 2)))
+
+
 @pytest.mark.parametrize(
     ("x", "share", "refused"),
     [

@@ -161,7 +161,7 @@ def test_plans_that_contradict_themselves_are_refused(changes, message):
         Plan(**{**GIVEN, **changes})
 
 
-@pytest.mark.parametrize("count", [1, 2, 8, 9, 10, 11, 30])
+@pytest.mark.parametrize("count", [1, 2, 3, 4, 5, 6, 30])
 def test_of_many_segments_the_first_are_written_and_the_last(count):
     changes = {
         "flows": FLOWS[:1] * count, "segment_ends": tuple(range(1, count + 1)),
