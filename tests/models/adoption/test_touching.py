@@ -31,8 +31,8 @@ def few(monkeypatch):
     monkeypatch.setattr(tried, "TRIED_ANGLES", LEVELS)
 
 
-def trial(parts, groups=ALONE, lift=0.5):
-    legs = LEG.format(n=0, y=0) + LEG.format(n=1, y=SECOND)
+def trial(parts, groups=ALONE, lift=0.5, second=SECOND):
+    legs = LEG.format(n=0, y=0) + LEG.format(n=1, y=second)
     model = mujoco.MjModel.from_xml_string(MODEL.format(parts=parts, legs=legs))
     pose = Pose.at(model, model.body("trunk").id, model.qpos0)
     limbs = [
@@ -85,6 +85,15 @@ def test_a_leg_touches_what_is_beside_it_at_the_angle_that_takes_it_there(
 def test_parts_that_touch_where_the_robot_stands_may_touch_anywhere():
     x, y = at(0.05)
     assert trial(ball("near", x, y, 0.0)).first_touching(0.4) is None
+
+
+@pytest.mark.parametrize(("way", "level"), [(-1.0, 4), (1.0, 4)])
+def test_legs_of_two_groups_meet_while_both_are_down(way, level):
+    """Their tips at 0.2 m turn towards one another, from 0.2 m apart."""
+    meet = np.arcsin((0.2 - 0.02 - CLEARANCE) / 0.4)
+    assert 3 * 0.15 < meet < 4 * 0.15
+    found = trial("", [{0: 1.0}, {1: way}], second=0.2).first_touching(0.6)
+    assert found == (level, ("shin0", "shin1"))
 
 
 def test_the_model_that_is_tried_is_a_copy():
