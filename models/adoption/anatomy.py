@@ -28,7 +28,7 @@ LEVEL = np.deg2rad(60)  # axes nearer to the vertical do not lift
 SOLID = range(int(mujoco.mjtGeom.mjGEOM_SPHERE), int(mujoco.mjtGeom.mjGEOM_MESH) + 1)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Limb:
     """A leg as it is found in the model."""
 

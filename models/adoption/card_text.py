@@ -24,7 +24,7 @@ NAMES = "123456789"
 GAIN = "# leg = angle of its swing joint for each radian of the group"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class GaitDraft:
     """How a robot is to walk."""
 

@@ -32,7 +32,7 @@ TINY = 1e-12  # in the place of a zero to divide by
 IDLE = 0.05  # of the fastest leg's swing: legs slower than that are left out
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Crawl:
     """Legs turned such that they can row."""
 
@@ -50,7 +50,7 @@ class Crawl:
         return self.stroke * np.exp(-bent) * (SKEWED if self.skewed else 1.0)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Body:
     """Hips, legs and weight from above, the legs where they stand."""
 

@@ -37,7 +37,7 @@ NEWTON_STEPS, IN_STEP = 8, 1e-9  # and how near to what is wanted gains then are
 Groups = tuple[tuple[int, ...], tuple[int, ...]]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Stand:
     """A group's legs turned towards a pivot."""
 

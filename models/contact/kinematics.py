@@ -30,7 +30,7 @@ Geom = mujoco.mjtGeom
 _CORNERS = np.array(list(product((-1.0, 1.0), repeat=3)))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, eq=False, slots=True)
 class Core:
     """Points whose convex hull, widened by a radius, is a geom."""
 
@@ -62,7 +62,7 @@ def _ends(size: Array) -> Array:
 TIED = 1e-4  # [m]; points that are this close to the lowest one touch as well
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Sole:
     """Points of a leg; the floor acts below their mean."""
 
@@ -119,7 +119,7 @@ _FIT = np.linalg.inv(np.stack([np.ones(3), np.cos(_ANGLES), np.sin(_ANGLES)], ax
 Legs = Array | slice
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, eq=False, slots=True)
 class Stance:
     """Feet and centre of mass for one or many sets of leg angles, in the body frame."""
 

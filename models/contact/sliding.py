@@ -23,7 +23,7 @@ from planner import Array
 _TOUCH = 1e-6  # [m]; depth to which the feet are lowered so that contacts appear
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Ground:
     """Springs under the feet, and the effect of sliding on them.
 
@@ -131,7 +131,7 @@ def sliding_twist(
     return xi * unit / np.array([1.0, 1.0, reach]), loads
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, eq=False, slots=True)
 class _Balance:
     """Friction on all feet; units are the fastest rate, the weight and the reach."""
 

@@ -39,7 +39,7 @@ FRACTIONS = (_POINTS + 1) / 2  # where the nodes lie in a panel
 _TO_PANEL_NODES = _integrals(FRACTIONS) @ _COEFFICIENTS  # (PANEL_NODES, PANEL_NODES)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Integral:
     """The integral of a vector function from the start of the first panel."""
 
@@ -92,7 +92,7 @@ class Travel:
         return Integral(self.pose.edges, self._slip_rates())
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Strokes:
     """Strokes in time order."""
 

@@ -144,7 +144,7 @@ def built_once(build: F) -> F:
     return cast("F", built)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Solution:
     """Strokes and recoveries of consecutive stages."""
 

@@ -176,7 +176,7 @@ def as_numeric(field: VectorField, state: Symbols) -> NumericField:
     return NumericField(lambda x: value(x)[..., 0], rows)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, eq=False, slots=True)
 class CompiledFields:
     """Several fields, evaluated together at any number of configurations."""
 

@@ -60,6 +60,33 @@ def test_dataclasses_whose_fields_no_line_of_their_module_changes_are_frozen():
     assert found == []
 
 
+def declared(tree):
+    """Dataclasses of a module, with what their decorators say, as text."""
+    for node in tree.body:
+        if isinstance(node, ast.ClassDef):
+            for decorator in map(ast.unparse, node.decorator_list):
+                if decorator.startswith("dataclass"):
+                    yield node, decorator
+
+
+ARRAYS = re.compile(r"(?<!\w)Array(?!\w)")
+
+
+@pytest.mark.parametrize("layer", ["planner", "models"])
+def test_what_holds_arrays_is_compared_by_identity(layer):
+    """Arrays that are equal have no truth value, and arrays have no hash."""
+    found, seen = [], 0
+    for path in (path for path in FILES if ROOT / layer in path.parents):
+        for node, decorator in declared(ast.parse(path.read_text())):
+            items = (n for n in node.body if isinstance(n, ast.AnnAssign))
+            types = [ast.unparse(item.annotation) for item in items]
+            if any(ARRAYS.search(t) and "Callable" not in t for t in types):
+                seen += 1
+                found += [node.name] * ("eq=False" not in decorator)
+    assert found == []
+    assert seen > 9
+
+
 @pytest.mark.parametrize("name", ["planner", "models", "sim"])
 def test_generic_names_resolve_to_this_checkout(name):
     found = importlib.util.find_spec(name).origin

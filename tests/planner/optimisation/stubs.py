@@ -13,7 +13,7 @@ LATER = Window(START, (0.2, 0.6), None, 3)
 LAST = Window(START, (0.2, 1.0), START, 3)
 
 
-@dataclass(eq=False)
+@dataclass(frozen=True, eq=False)
 class Found:
     """A solution of so many stages; its hops lead to itself."""
 
