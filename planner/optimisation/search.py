@@ -77,7 +77,7 @@ class Search(WindowSearch):
             with suppress(BudgetError):  # larger tolerances can do without
                 fitted = self.fitted(window, rungs) or fitted
             found = fitted[-1]
-            if last and not done:
+            if last and not done:  # fewer plans than tasks where the time is over
                 self.found = list(zip((self.task, *rungs), fitted, strict=False))
             count = len(found.strokes)
             done.append(found if last else found.until(float(np.mean(ends))))

@@ -52,7 +52,7 @@ class Stage:
         amounts = [*recoveries[: len(self.recoveries)], stroke]
         return [
             Flow(self.stratum, name, float(amount))
-            for name, amount in zip(named, amounts, strict=False)
+            for name, amount in zip(named, amounts, strict=False)  # or no stroke
             if abs(amount) > ZERO_FLOW
         ]
 

@@ -136,7 +136,7 @@ def _misses(
     spelled = steering.speller(exponential(steering.hall.elements, leading), samples)
     words = [pair for w in wordings for pair in zip(samples, spelled(w), strict=True)]
     size = len(longer.elements)
-    unit = dict(zip(steering.hall.generators, np.eye(size), strict=False))
+    unit = dict(zip(steering.hall.generators, np.eye(size), strict=False))  # more rows
     for x, word in words:
         flowed = np.zeros(size)
         for name, duration in zip(word.fields, word.durations, strict=True):

@@ -190,7 +190,7 @@ class _Steps:
         notable = np.maximum(parts[:-1], parts[1:]) > NOTABLE
         close = [
             _scale(low, high, FINE)[1:] if fine else np.array([high])
-            for low, high, fine in zip(steps, steps[1:], notable, strict=False)
+            for low, high, fine in zip(steps[:-1], steps[1:], notable, strict=True)
         ]
         steps, parts = _until_failure(left, np.concatenate([steps[:1], *close]))
         inner = parts[1:-1]

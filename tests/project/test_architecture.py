@@ -87,6 +87,18 @@ def test_what_holds_arrays_is_compared_by_identity(layer):
     assert seen > 9
 
 
+@pytest.mark.parametrize("layer", ["planner", "models"])
+def test_a_zip_that_may_leave_some_out_says_why(layer):
+    """In a comment beside it, or above it; others take sequences of one length."""
+    silent = []
+    for path in (path for path in FILES if ROOT / layer in path.parents):
+        lines = ["", *path.read_text().splitlines()]
+        for above, line in zip(lines, lines[1:], strict=False):
+            if "strict=False" in line and "#" not in above + line:
+                silent.append((path.name, line.strip()))
+    assert silent == []
+
+
 @pytest.mark.parametrize("name", ["planner", "models", "sim"])
 def test_generic_names_resolve_to_this_checkout(name):
     found = importlib.util.find_spec(name).origin

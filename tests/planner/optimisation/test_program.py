@@ -219,12 +219,6 @@ def test_cost_and_constraints_are_those_of_the_motion(built, changes):
     assert tight == pytest.approx(-(least - (CHECKED_SHARE * own) ** powers))
 
 
-def test_with_soft_constraints_every_stage_has_a_width_of_its_own(built):
-    for changes, count in (({}, 1), ({"inequalities": (SOFT,)}, COUNT)):
-        program, _, _ = built(task_of(**changes))
-        assert program.unknowns.widths == count
-
-
 @pytest.mark.parametrize("overlapped", [False, True])
 def test_the_steps_of_a_stage_follow_its_flows_to_the_fourth_order(overlapped):
     task = task_of(overlapped=overlapped)

@@ -7,7 +7,7 @@ import pytest
 
 from planner.optimisation.corridor import Tolerance
 from planner.optimisation.program import GUESSED_WIDTH, Unknowns
-from planner.optimisation.task import Solution
+from planner.optimisation.task import Inequality, Solution
 from tests.planner.optimisation.step import SPAN, optimised
 
 COUNT = 4
@@ -132,3 +132,11 @@ def test_sizes_are_what_strokes_change_and_alike_within_a_tolerance(task):
     assert task.unit(start) == min(found.values())
     apart = replace(task, tolerances=(Tolerance((0,), 0.5), Tolerance((1,), 0.5)))
     assert apart.sizes(start)[:2].tolist() == most[:2].tolist()
+
+
+def test_with_soft_constraints_every_stage_has_a_width_of_its_own(task):
+    soft = Inequality("gap", lambda stage, state: [state[0]], relaxed=True)
+    hard = replace(soft, relaxed=False)
+    for inequality, count in ((soft, COUNT), (hard, 1)):
+        assert unknowns(replace(task, inequalities=(inequality,))).widths == count
+    assert unknowns(task).widths == 1
