@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from models.adoption.anatomy import Pose, drafted_servo, servo_stiffness
+from models.adoption.anatomy import Pose, drafted_servo, find_limbs, servo_stiffness
 from models.errors import ModelError
 
 TEXT = """<mujoco><option gravity="0 0 -9.81"/><worldbody>
@@ -64,3 +64,26 @@ def test_heavy_legs_need_no_rotor_and_are_too_heavy_at_last():
 )
 def test_a_servo_s_stiffness_is_that_at_the_joint(servos, stiffness):
     assert servo_stiffness(pose(servos=servos).model, "a") == stiffness
+
+
+FEET = """<mujoco><worldbody>
+  <body name="trunk" pos="0 0 1"><freejoint/><geom size="0.1"/>
+  <body pos="0.1 0 0"><joint name="a" axis="0 0 {sign}1"/><geom size="0.02"/>
+  <body pos="0.1 0 0"><joint name="b" axis="0 {sign}1 0"/>
+    <geom name="near" size="0.02" pos="0 0 -0.1"/>
+    <geom name="far" size="0.02" pos="0.1 0 -0.2"/>
+    <geom name="mid" size="0.02" pos="0.05 0 -0.1"/></body></body>
+  </body></worldbody></mujoco>"""
+
+
+@pytest.mark.parametrize(("sign", "turn", "up"), [("", 1.0, -1.0), ("-", -1.0, 1.0)])
+def test_a_foot_is_the_geom_farthest_out_and_signs_are_those_of_its_joints(
+    sign, turn, up
+):
+    model = mujoco.MjModel.from_xml_string(FEET.format(sign=sign))
+    pose = Pose.at(model, model.body("trunk").id, model.qpos0)
+    (limb,) = find_limbs(pose, "here")
+    assert (limb.foot, limb.swing, limb.lift, limb.hold) == ("far", "a", "b", ())
+    assert (limb.turn, limb.up) == (turn, up)
+    assert limb.hip == pytest.approx([0.1, 0.0])
+    assert limb.toe == pytest.approx([0.3, 0.0, pose.bottom(model.geom("far").id)[2]])

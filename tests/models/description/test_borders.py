@@ -14,6 +14,7 @@ from models.description.card import (
     PatternCard,
     Servo,
 )
+from models.description.robot import Robot
 from models.description.servos import JointServo
 
 LEG = LegCard("s", "l", ("f",))
@@ -116,3 +117,11 @@ def test_a_servo_is_written_with_its_rotor_if_it_has_one():
     assert str(whole) == "80 N m/rad, 1.25 N m s/rad and rotors of 0.00125 kg m^2"
     assert Servo(80.0, 1.25).settings == {"stiffness": 80.0, "damping": 1.25}
     assert whole.settings["armature"] == 0.00125
+
+
+def test_a_robot_is_read_without_its_card_but_with_its_other_texts(tmp_path):
+    path = tmp_path / "own.xml"
+    texts = '<custom><text name="card" data="a"/><text name="note" data="b"/></custom>'
+    path.write_text(f"<mujoco>{texts}<worldbody><body/></worldbody></mujoco>")
+    spec = Robot("own", path, "", None).read()
+    assert [text.name for text in spec.texts] == ["note"]

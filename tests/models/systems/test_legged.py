@@ -51,3 +51,29 @@ def test_legs_of_one_side_push_straight_ahead_with_those_of_the_other():
     feet = {"1": [(1, 1), (-1, 1)], "2": [(1, -1), (-1, -1)]}
     left, right = shared(feet, ("12",))["12"].values()
     assert np.add(left, right).tolist() == [1, 0, 0]
+
+
+def at_zero(system, field):
+    """Twist of a field where the body stands at the origin and faces ahead."""
+    still = dict.fromkeys(system.state, 0)
+    return np.array([float(e.subs(still)) for e in system.fields[field][:3]])
+
+
+@pytest.mark.parametrize(
+    ("name", "left", "right"),
+    [
+        ("octopod-pairs", "g14_1", "g23_2"),
+        ("octopod-pairs", "g14_4", "g23_3"),
+        ("octopod-pairs", "g1234_1", "g1234_2"),
+        ("octopod-pairs", "g1234_3", "g1234_4"),
+        ("quadruped-crawl", "g1234_1", "g1234_2"),
+        ("quadruped-crawl", "g234_3", "g134_4"),
+        ("quadruped-crawl", "g124_1", "g123_2"),
+        ("quadruped-crawl", "g234_2", "g134_1"),
+    ],
+)
+def test_legs_of_both_sides_move_the_body_as_mirrored(name, left, right):
+    system = shipped_system(name).system
+    mirrored = at_zero(system, left) * [1, -1, -1]
+    assert at_zero(system, right) == pytest.approx(mirrored)
+    assert mirrored[0] > 0

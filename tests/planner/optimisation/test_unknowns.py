@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from planner.optimisation.constraints import path_distance
 from planner.optimisation.corridor import Tolerance
 from planner.optimisation.program import GUESSED_WIDTH, Unknowns
 from planner.optimisation.task import Inequality, Solution
-from tests.planner.optimisation.step import SPAN, optimised
+from tests.planner.optimisation.step import SPAN, STEP, optimised
 
 COUNT = 4
 START = np.zeros(7)
@@ -140,3 +141,13 @@ def test_with_soft_constraints_every_stage_has_a_width_of_its_own(task):
     for inequality, count in ((soft, COUNT), (hard, 1)):
         assert unknowns(replace(task, inequalities=(inequality,))).widths == count
     assert unknowns(task).widths == 1
+
+
+@pytest.mark.parametrize(
+    ("position", "yaw", "powers"),
+    [(0.5, 1.0, [2, 1, 1]), (0.5, np.inf, [2]), (np.inf, 1.0, [1, 1])],
+)
+def test_coordinates_with_endless_tolerances_are_free(task, position, yaw, powers):
+    tolerances = Tolerance((0, 1), position), Tolerance((2,), yaw), Tolerance((6,), 1.0)
+    free = replace(task, tolerances=tolerances)  # foot heights are no unknowns
+    assert path_distance(free, STEP)[1] == powers

@@ -1,12 +1,14 @@
 """Ways of vehicles in the plane: their steps, charts, and what has no such motions."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import sympy as sp
 
 from models.systems.catalogue import shipped_system
 from planner.errors import PlannerError
-from planner.planning import plane as planes
+from planner.planning import chained_forms, plane as planes
 from planner.planning.chained_forms import chained_form
 from planner.planning.plane import ALIGNED, STEERED, Plane
 from planner.planning.rollouts import play
@@ -171,3 +173,9 @@ def test_a_car_is_the_same_wherever_it_stands_and_faces(outputs):
     assert (found.place, found.headings, found.steered) == ((0, 1), (2,), 3)
     swapped = vehicle(["sin(a)", "cos(a)", "-tan(s)", 0])
     assert swapped is None  # its heading turns the other way
+
+
+def test_a_plan_is_as_far_from_its_goal_as_its_end_is():
+    ends = np.array([[0.0, 0.0], [5.0, 5.0], [1.0, -2.0]])
+    planned = SimpleNamespace(nominal=ends)
+    assert chained_forms._apart(planned, np.array([1.5, -1.0])) == 1.0

@@ -6,6 +6,7 @@ import sympy as sp
 
 from planner.errors import FieldError
 from planner.numerics.subspaces import SPANNED, in_words, nearly_dependent, rank
+from planner.systems import closure
 from planner.systems.closure import exact_rank, involutive_closure
 from planner.systems.fields import (
     DIFFERENCE,
@@ -186,3 +187,19 @@ def test_ranks_are_exact_where_formulas_are_rational():
     assert exact_rank([], STATE, AT) == 0
     assert exact_rank([CAR["d"]], STATE, AT) is None  # the cosine is irrational
     assert exact_rank([numeric()], STATE, AT) is None
+
+
+def test_a_search_ends_where_formulas_grow_too_long(monkeypatch):
+    """The degree that was cut short does not count."""
+    whole = involutive_closure(CAR, STATE, np.zeros(3), 4, 9)
+    monkeypatch.setattr(closure, "MOST_OPERATIONS", 5)
+    short = involutive_closure(CAR, STATE, np.zeros(3), 4, 9)
+    assert (whole.depth, whole.complete) == (2, True)
+    assert (short.depth, short.complete) == (1, False)
+    calls = {"f": numeric(calls=4)}
+    assert involutive_closure(calls, STATE, np.zeros(3), 1, 9).complete is False
+    monkeypatch.setattr(closure, "MOST_OPERATIONS", 39)  # ten for each call
+    assert involutive_closure(calls, STATE, AT, 3, 9).depth == 1
+    assert not involutive_closure(calls, STATE, AT, 3, 9).complete
+    monkeypatch.setattr(closure, "MOST_OPERATIONS", 40)
+    assert involutive_closure(calls, STATE, AT, 3, 9).complete
