@@ -113,6 +113,10 @@ def test_every_direction_and_spin_of_postures_is_tried():
     spins = {round(p.turns.mean(), 3) for p in found[:5]}
     assert len(spins) == 5
     assert sum(not p.skewed for p in found) == 9
+    alike = sorted(p.turns.mean() for p in found if np.ptp(p.turns) < 1e-9)
+    assert len(alike) == 5
+    assert np.array(alike) == pytest.approx(-np.array(alike[::-1]))  # both ways alike
+    assert np.diff(alike) == pytest.approx(np.full(4, alike[-1] / 2))
 
 
 def test_postures_much_turned_or_skewed_are_worth_less():
