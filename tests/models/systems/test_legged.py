@@ -77,3 +77,30 @@ def test_legs_of_both_sides_move_the_body_as_mirrored(name, left, right):
     mirrored = at_zero(system, left) * [1, -1, -1]
     assert at_zero(system, right) == pytest.approx(mirrored)
     assert mirrored[0] > 0
+
+
+def feet_of(name, length, width):
+    """Feet of each group, which are as far apart as length and width say."""
+    x, y = length / 2, width / 2
+    if name == "quadruped-crawl":
+        return {"1": [(x, y)], "2": [(x, -y)], "3": [(-x, y)], "4": [(-x, -y)]}
+    return {
+        "1": [(x, y), (-x / 3, y)],
+        "2": [(x, -y), (-x / 3, -y)],
+        "3": [(x / 3, y), (-x, y)],
+        "4": [(x / 3, -y), (-x, -y)],
+    }
+
+
+@pytest.mark.parametrize(
+    ("name", "usual"), [("quadruped-crawl", (2.0, 1.0)), ("octopod-pairs", (3.0, 1.0))]
+)
+def test_length_and_width_are_those_between_the_outermost_feet(name, usual):
+    for length, width in ((2.4, 0.8), usual):
+        given = {} if (length, width) == usual else {"length": length, "width": width}
+        system = shipped_system(name, given).system
+        feet = feet_of(name, length, width)
+        for stratum in system.strata:
+            for group, twist in shared(feet, (stratum,))[stratum].items():
+                found = at_zero(system, f"g{stratum}_{group}")
+                assert found == pytest.approx(np.array(twist, dtype=float))
