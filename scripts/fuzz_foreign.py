@@ -212,8 +212,7 @@ def _sealed(line: bytes, rng: random.Random) -> bytes:
     """A line of a ledger with something changed, sealed as if it had been so."""
     ledgers = import_module("sim.sweeps.ledger")
     text = _json("{" + line[ledgers.LENGTH :].decode(), rng).rstrip("\n")
-    sealed: bytes = ledgers._sealed(text.encode(errors="surrogateescape") or b"{")
-    return sealed
+    return ledgers._sealed(text.encode(errors="surrogateescape") or b"{")
 
 
 def _json(text: str, rng: random.Random) -> str:

@@ -116,8 +116,7 @@ def _worth(first: Sequence[Stand], second: Sequence[Stand]) -> Array:
     turn, back = ([s.yaw * s.swing * s.load for s in side] for side in (first, second))
     bends = ([np.abs(stand.turns).max() for stand in s] for s in (first, second))
     apart = np.linalg.norm(one[:, None] - other, axis=-1)
-    worth: Array = apart * np.outer(turn, back) * np.exp(-np.maximum.outer(*bends))
-    return worth
+    return apart * np.outer(turn, back) * np.exp(-np.maximum.outer(*bends))
 
 
 class _Legs(NamedTuple):

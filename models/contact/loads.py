@@ -118,8 +118,7 @@ def lift_torques(kinematics: Kinematics, stratum: str, friction: float) -> Array
     loads[on] = static_loads(stance.feet[None, on], stance.center_of_mass[None])[0]
     level = np.linalg.norm(stance.gives[:, :2], axis=-1)
     arms = np.abs(stance.gives[:, 2]) + friction * level
-    torques: Array = robot.weight_in(robot.model) * loads * arms
-    return torques
+    return robot.weight_in(robot.model) * loads * arms
 
 
 def least_load(feet: Array, center: Array) -> Array:

@@ -131,8 +131,7 @@ class ExtendedSystem:
         lengths = np.linalg.norm(every * weights[:, None], axis=-2)
         usable = np.where(np.isfinite(lengths) & (lengths > 0.0), lengths, np.nan)
         usable[:, np.isnan(usable).all(axis=0)] = 1.0
-        sizes: Array = np.nanmedian(usable, axis=0)
-        return sizes
+        return np.nanmedian(usable, axis=0)
 
     def orientations(self, x: Array) -> Array:
         """Signs of det B(x), shape (...), if B is square, and ones if it is not.

@@ -123,8 +123,7 @@ class InputUnits:
         body = moving[~self.joints]
         way = body.sum(axis=0)
         moved = several & (np.abs(way) > EQUAL * np.abs(body).sum(axis=0))
-        signs: Array = np.where(np.where(moved, way, ahead) < 0.0, -1.0, 1.0)
-        return signs
+        return np.where(np.where(moved, way, ahead) < 0.0, -1.0, 1.0)
 
 
 def weights(elements: Sequence[Element], scales: Array) -> Array:
@@ -188,8 +187,7 @@ class Rectangles:
         degrees = np.array([degree(e) for e in self.hall.elements])
         motions = np.abs(own * size.max(axis=1)[:, None, None] ** degrees)
         moved = motions.max(axis=-1)  # (segments, n)
-        errors: Array = np.linalg.norm(missed / np.where(moved, moved, 1.0), axis=-1)
-        return errors
+        return np.linalg.norm(missed / np.where(moved, moved, 1.0), axis=-1)
 
     def _sides(self, beyond: Array) -> Array:
         """Scales that make the two halves of the error alike, where they are parallel.
@@ -242,8 +240,7 @@ class Rectangles:
         printed = np.array([logarithm_of_word(algebra, own[e])[places] for e in tops])
         top_signs = weights(tops, self._signs)  # (ways, tops)
         next_signs = weights(self._beyond, self._signs)  # (ways, brackets)
-        leading: Array = top_signs[..., None] * next_signs[:, None] * printed
-        return leading
+        return top_signs[..., None] * next_signs[:, None] * printed
 
 
 def rectangles(system: StratifiedSystem, hall: HallFields) -> Rectangles:

@@ -37,8 +37,7 @@ class Command:
         """Execute it; a package that is missing is said with the extra it is of."""
         try:
             module = import_module(f"sim.commands.{self.module}")
-            code: ExitCode | None = getattr(module, self.name)(options)
-            return code
+            return getattr(module, self.name)(options)
         except ModuleNotFoundError as error:
             if not self.extra or error.name in ("planner", "models", "sim"):
                 raise

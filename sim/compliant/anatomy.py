@@ -214,5 +214,4 @@ def _inertia(
     spins = frames * model.body_inertia[own][:, None] @ np.swapaxes(frames, 1, 2)
     squares = (away**2).sum(axis=1)[:, None, None] * np.eye(3)
     shifted = squares - away[:, :, None] * away[:, None]
-    total: Array = (spins + mass[:, None, None] * shifted).sum(axis=0)
-    return total
+    return (spins + mass[:, None, None] * shifted).sum(axis=0)

@@ -260,5 +260,4 @@ def _slip(robots: Robots, before: Array, after: Array, moved: Array) -> Array:
     share = np.where(whole[..., None] > 0, load / np.maximum(whole, 1e-9)[..., None], 0)
     least = LOADED * robots.weight[:, None]
     stood = np.maximum(before[..., 2], 0.0).sum(axis=2) > least
-    way: Array = (share * size).sum(axis=2) * (0.5 * ((whole > least) + 0.0 + stood))
-    return way
+    return (share * size).sum(axis=2) * (0.5 * ((whole > least) + 0.0 + stood))

@@ -269,8 +269,7 @@ class Drive:
             for step in (ahead, behind)
         )
         seconds = np.maximum(ahead - behind, 1) * self._setup.limits.timestep
-        speed: Array = (later - sooner) / seconds[:, None]
-        return speed
+        return (later - sooner) / seconds[:, None]
 
 
 def _needed(servo: ServoSettings, borne: Array, turned: Array) -> Array:

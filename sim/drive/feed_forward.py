@@ -36,8 +36,7 @@ class FeedForward:
         before = np.minimum(where.astype(int), max(len(self.values) - 2, 0))
         after = np.minimum(before + 1, len(self.values) - 1)
         part = (where - before)[:, None]
-        found: Array = (1 - part) * self.values[before] + part * self.values[after]
-        return found
+        return (1 - part) * self.values[before] + part * self.values[after]
 
 
 def smoothed(values: Array, timestep: float) -> FeedForward:

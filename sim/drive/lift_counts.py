@@ -79,8 +79,7 @@ class LiftCounts:
             changes = np.nanmax(counts, axis=0) - np.nanmin(counts, axis=0)
             return float(changes.sum()), -float(gaps[place])
 
-        shift: Array = raise_sign * shifts[min(range(len(gaps)), key=cost)]
-        return shift
+        return raise_sign * shifts[min(range(len(gaps)), key=cost)]
 
     @property
     def fine(self) -> bool:
@@ -135,5 +134,4 @@ def lift_torques(setup: Setup, down: Array) -> Array:
     joints = [actuator_of(model, joint) for joint in robot.lift_joints]
     places = model.jnt_dofadr[model.actuator_trnid[joints, 0]]
     own = data.qfrc_bias[places]  # holds each leg's own weight in the air
-    torque: Array = own - loads * rise
-    return torque
+    return own - loads * rise

@@ -218,13 +218,11 @@ def _shares(
         motion = np.maximum(motion, _size(foreseen, arm))
     total = np.maximum.accumulate(motion)
     total = np.maximum(total, total[np.searchsorted(ways, field.span / 2)])
-    shares: Array = np.maximum.accumulate(miss) / np.where(total > 0, total, 1.0)
-    return shares
+    return np.maximum.accumulate(miss) / np.where(total > 0, total, 1.0)
 
 
 def _size(poses: Array, arm: float) -> Array:
-    size: Array = np.hypot(poses[:, 0], poses[:, 1]) + arm * np.abs(poses[:, 2])
-    return size
+    return np.hypot(poses[:, 0], poses[:, 1]) + arm * np.abs(poses[:, 2])
 
 
 def creep_floor(setup: Setup, duration: float) -> float:

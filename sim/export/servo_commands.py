@@ -35,8 +35,7 @@ class ServoCommands:
     @property
     def time(self) -> Array:
         """When each command is given, shape (K,) [s]."""
-        time: Array = np.arange(len(self.angles)) / self.rate
-        return time
+        return np.arange(len(self.angles)) / self.rate
 
     def rows(
         self,

@@ -187,8 +187,7 @@ def _newton_step(matrix: Array, toward: Array, held: Array) -> Array:
 
 
 def _cost(left: Array, weight: Array, off: Array, spread: Array) -> Array:
-    cost: Array = weight * (left**2).sum(axis=-2) + (off**2 / spread**2).sum(axis=-1)
-    return cost
+    return weight * (left**2).sum(axis=-2) + (off**2 / spread**2).sum(axis=-1)
 
 
 def _alike(left: Array, there: Array) -> Array:

@@ -98,8 +98,7 @@ class Commanded:
         before = place.astype(int)
         lane = np.arange(lanes * joints).reshape(lanes, 1, joints)
         part = place - before
-        found: Array = (1 - part) * angle[before, lane] + part * angle[before + 1, lane]
-        return found
+        return (1 - part) * angle[before, lane] + part * angle[before + 1, lane]
 
 
 def _rows(*rows: tuple[Array, Array]) -> Array:

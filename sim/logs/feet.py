@@ -119,8 +119,7 @@ def _shares(feet: Array, center: Array, three: Array) -> Array:
     area = spokes[..., 0] * after[..., 1] - spokes[..., 1] * after[..., 0]
     whole = area.sum(axis=2, keepdims=True)
     whole[np.abs(whole) <= FLAT_FEET] = np.nan
-    shares: Array = np.nan_to_num(np.roll(area, -1, axis=2) / whole, nan=-1.0)
-    return shares
+    return np.nan_to_num(np.roll(area, -1, axis=2) / whole, nan=-1.0)
 
 
 def _seen_from_plane(feet: Array, corners: Array) -> tuple[Array, Array]:

@@ -69,8 +69,7 @@ class Motion:
     @property
     def low(self) -> Array:
         """Feet that are down in the first row's posture, (F,), bool."""
-        down: Array = self.contact[0] | self._lowest[0]
-        return down
+        return self.contact[0] | self._lowest[0]
 
     @cached_property
     def margin(self) -> Array:

@@ -200,8 +200,7 @@ class MovingPart:
     @property
     def sampled(self) -> Array:
         """Corners at the sampled swings, shape (3, k, 2) [m]."""
-        found: Array = np.einsum("sb,bki->ski", BASIS, self.terms)
-        return found
+        return np.einsum("sb,bki->ski", BASIS, self.terms)
 
 
 def moving_parts(setup: Setup, stratum: str) -> list[MovingPart]:
@@ -264,8 +263,7 @@ def hull_of(points: Array) -> list[int]:
     if len(corners) > 1 and np.allclose(corners[0], corners[-1]):
         corners = corners[:-1]
     apart = np.linalg.norm(points[None] - corners[:, None], axis=-1)
-    nearest: list[int] = apart.argmin(axis=1).tolist()
-    return nearest
+    return apart.argmin(axis=1).tolist()
 
 
 def _leg_of(robot: Robot, model: mujoco.MjModel, geom: int) -> int:

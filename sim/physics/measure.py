@@ -124,8 +124,7 @@ def count_bounces(loaded: Array, contact: Array) -> Array:
     Flags have shape (n, F), the counts (F,).
     """
     closed = contact & ~loaded
-    bounces: Array = (closed[:-1] & ~closed[1:]).sum(axis=0)
-    return bounces
+    return (closed[:-1] & ~closed[1:]).sum(axis=0)
 
 
 def decided(loaded: Array, shortest: int, before: Array | None = None) -> int:

@@ -166,8 +166,7 @@ class Recorder:
         low, high = model.actuator_forcerange.T
         near = NEAR_END * (high - low)
         full = (force <= low + near) | (force >= high - near)
-        steps: Array = (full & (model.actuator_forcelimited > 0)).sum(axis=0)
-        return steps
+        return (full & (model.actuator_forcelimited > 0)).sum(axis=0)
 
     def _sense(self, first: int, qpos: Array, qvel: Array, sensordata: Array) -> None:
         """Add consecutive states and their sensor readings."""

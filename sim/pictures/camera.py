@@ -128,8 +128,7 @@ def _calm(walk: Run, clock: Clock) -> Array:
     from scipy.ndimage import gaussian_filter1d  # slow to import, and seldom needed
 
     body = np.insert(walk.achieved[clock.rows, :2], 2, 0.0, axis=1)
-    calm: Array = gaussian_filter1d(body, CALM * FRAME_RATE, axis=0, mode="nearest")
-    return calm
+    return gaussian_filter1d(body, CALM * FRAME_RATE, axis=0, mode="nearest")
 
 
 def _seen(walk: Run, clock: Clock) -> Array:

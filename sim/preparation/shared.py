@@ -53,8 +53,7 @@ class Shared:
         of_kind.move_to_end(key)
         if len(of_kind) > most:
             of_kind.popitem(last=False)
-        found: T = of_kind[key]
-        return found
+        return of_kind[key]
 
 
 def world_cache(scenario: Scenario, robot: Robot, shared: Shared | None) -> Cache:

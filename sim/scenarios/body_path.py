@@ -191,8 +191,7 @@ def _poses(key: str, value: object) -> tuple[Pose, ...]:
 def _pose(key: str, value: object) -> Pose:
     three = tuple[Coordinate, Coordinate, Coordinate]
     wanted = f"[x, y, yaw] [m, m, rad], such as [0.1, 0, 0], {NONE_BEYOND}"
-    pose: Pose = accept(value, three, wanted, WHERE, key)
-    return pose
+    return accept(value, three, wanted, WHERE, key)
 
 
 def _poses_in(text: str) -> list[tuple[float, ...]]:

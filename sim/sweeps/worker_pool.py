@@ -147,8 +147,7 @@ class WorkerPool:
         lists no workers at all: whoever trusts it takes the living for dead.
         """
         ask = self.client.scheduler.identity
-        found: Mapping[str, object] = self.client.sync(ask, n_workers=-1)["workers"]
-        return found
+        return self.client.sync(ask, n_workers=-1)["workers"]
 
     def _judge(self, worker: str, answer: Future) -> None:
         """Let a worker take part if it computes with what we compute with."""

@@ -41,8 +41,7 @@ def dead_bands(scenario: Scenario, joints: int) -> Array:
     wanted = np.broadcast_to(np.array(scenario.dead_band, dtype=float), joints)
     spread = abs(scenario.dead_band_spread)  # which may be -0.0
     random = np.random.default_rng((scenario.draw, len(BAND)))
-    drawn: Array = wanted * (1 + random.uniform(-spread, spread, joints))
-    return drawn
+    return wanted * (1 + random.uniform(-spread, spread, joints))
 
 
 def band_in(model: mujoco.MjModel, joint: str) -> float:

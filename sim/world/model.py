@@ -158,8 +158,7 @@ def explicitness(model: mujoco.MjModel) -> float:
         mujoco.mj_fwdPosition(model, data)
         mujoco.mj_fwdVelocity(model, data)
         mujoco.mj_fwdActuation(model, data)
-        total: Array = data.qfrc_passive + data.qfrc_actuator
-        return total
+        return data.qfrc_passive + data.qfrc_actuator
 
     def moved(step: Array) -> Array:
         data.qpos[:] = start
