@@ -190,7 +190,8 @@ def _tried(path: Path) -> list[str]:
     return list(report["files"])
 
 
-HANDY = 5 * 10**8  # bytes of a compiled model
+HANDY = 5 * 10**8  # bytes of a compiled model and of its states
+STATES = 1000  # of a walk that are kept at once
 TOO_LARGE = ("Could not allocate memory", "unknown exception")  # as MuJoCo says it
 
 
@@ -201,13 +202,12 @@ def examine(path: Path) -> list[Path]:
         if text.read_bytes()[:100].lstrip(b"\xef\xbb\xbf\r\n\t ").startswith(b"<"):
             check_text(text)
     model = compile_model(read_spec(path), str(path))
-    # a walk needs room for copies
     numbers = model.nsensordata + model.nuserdata + model.nq + model.nv
-    size = mujoco.mj_sizeModel(model) + 8 * numbers
+    size = mujoco.mj_sizeModel(model) + 8 * STATES * numbers
     if size > HANDY:
         raise ModelError(
-            f"too large: {path}; compiled it has {size / 1e9:.1f} GB, and "
-            f"{HANDY / 1e9:g} GB are the most: leave parts out"
+            f"too large: {path}; compiled it has, with {STATES} states, "
+            f"{size / 1e9:.1f} GB, and {HANDY / 1e9:g} GB are the most: leave parts out"
         )
     with one_line(f"MuJoCo cannot run the model: {path}", "too small a <size memory>?"):
         data = mujoco.MjData(model)

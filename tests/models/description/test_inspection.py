@@ -204,11 +204,23 @@ def test_a_file_that_is_missing_is_named(robot):
         load(str(path))
 
 
-def test_a_compiled_model_leaves_room_for_its_copies(robot, alone):
-    """Such a model compiles at once; each array of its sensors would have 0.6 GB."""
-    sensor = '<user name="u" dim="70000000" datatype="real" needstage="pos"/>'
-    with pytest.raises(ModelError, match="too large: .*; compiled it has 0.6 GB"):
-        load(str(robot(f"<sensor>{sensor}</sensor>")))
+@pytest.mark.parametrize(
+    ("more", "gigabytes"),
+    [
+        (
+            '<sensor><user name="u" dim="70000" datatype="real" needstage="pos"/>'
+            "</sensor>",
+            0.6,
+        ),
+        ('<size nuserdata="1000000"/>', 8.0),
+    ],
+    ids=["a sensor", "user data"],
+)
+def test_a_compiled_model_leaves_room_for_its_states(robot, alone, more, gigabytes):
+    """Such a model compiles at once; its numbers have 8 bytes in each of the states."""
+    said = f"compiled it has, with 1000 states, {gigabytes} GB, and 0.5 GB are the most"
+    with pytest.raises(ModelError, match=f"too large: .*; {said}"):
+        load(str(robot(more)))
 
 
 def test_numbers_are_looked_at_that_the_compiled_model_does_not_show(robot):
