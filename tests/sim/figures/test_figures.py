@@ -278,4 +278,5 @@ def test_the_time_left_is_longer_for_its_work_where_one_process_draws_alone(
 @pytest.mark.parametrize("date", ["abc", "9" * 20])
 def test_a_date_for_files_that_is_none_does_not_matter(tmp_path, monkeypatch, date):
     monkeypatch.setenv("SOURCE_DATE_EPOCH", date)
-    assert main(["figures", "--only", "mechanism", "--out", str(tmp_path / "o")]) == 0
+    out = str(tmp_path / "o.svg")
+    assert main(["plan", "heisenberg", "--segments", "1", "--out", out]) == 0
