@@ -36,6 +36,7 @@ from models.description.robot import Robot, start_key
 from models.errors import ModelError
 from models.motion.robot_equations import equations, mobility_of
 from planner import PlannerError
+from planner.support import limited
 
 SHORT = 0.05  # of the longest leg as seen from above: shorter ones push nothing
 DEEPEST = np.arctan(2.0)  # of feet; at 3.5 in place of 2 they jam, at 1.7 they do not
@@ -219,16 +220,19 @@ def _numbered(limbs: Sequence[Limb]) -> tuple[Limb, ...]:
     return tuple(limbs[i] for i in order)
 
 
+PROPOSING = 20.0  # [s] for a proposal, which takes 3 s for twelve legs
 UNITS = {"x": "metre forward", "y": "metre sideways", "theta": "radian of yaw"}
 
 
 def propose(robot: Robot) -> str:
     """What strokes cost with the groups and posture of `draft_card`, in words.
 
-    Empty where the robot could not go everywhere with them either.
+    Empty where the robot could not go everywhere with them either, or where they are
+    not found in time, as among the groups of forty legs.
     """
     try:
-        draft = draft_card(Source(robot.path, robot.path, None))
+        with limited(PROPOSING):
+            draft = draft_card(Source(robot.path, robot.path, None))
         card = parse_card(draft.card, "draft")
         posed = replace(robot, card_text=draft.card, card=card)
         found = mobility_of(posed, equations(posed))

@@ -22,6 +22,7 @@ from models.adoption.anatomy import Limb, Pose
 from models.adoption.words import refusal
 from models.contact.loads import static_loads
 from planner import Array
+from planner.support import tick
 
 PLACES = 25  # along each side of the field in which pivots are looked for
 MOST_SWING = 0.45  # [rad] either way, of the leg that swings farthest
@@ -57,6 +58,7 @@ def two_groups(limbs: Sequence[Limb], weight: Array, source: str) -> list[Groups
     count, sure = len(limbs), []
     for size in range(2, count - 3):
         for group in combinations(range(1, count), size):
+            tick()
             one = (0, *group)
             other = tuple(i for i in range(count) if i not in one)
             least = min(_surety(feet[list(g)], weight) for g in (one, other))

@@ -55,6 +55,12 @@ def test_proposed_posture_goes_everywhere(tmp_path):
     assert "strokes a metre sideways" in proposal
 
 
+def test_the_search_for_a_proposal_ends_in_time(tmp_path, monkeypatch):
+    """Forty legs have 550 milliard pairs of groups."""
+    monkeypatch.setattr("models.adoption.draft.PROPOSING", 0.0)
+    assert propose(load(str(radial.write(tmp_path)))) == ""
+
+
 def test_equal_robots_share_their_system_and_what_is_derived_from_it():
     hexapod, other = load("hexapod"), load("hexapod-radial")
     assert equations(hexapod).system is equations(load("hexapod")).system
