@@ -56,7 +56,7 @@ def test_proposed_posture_goes_everywhere(tmp_path):
 
 
 def test_the_search_for_a_proposal_ends_in_time(tmp_path, monkeypatch):
-    """Forty legs have 550 milliard pairs of groups."""
+    """Forty legs have 550 billion pairs of groups."""
     monkeypatch.setattr("models.adoption.draft.PROPOSING", 0.0)
     assert propose(load(str(radial.write(tmp_path)))) == ""
 
