@@ -16,11 +16,11 @@ import numpy as np
 from sim.commands import options as cli
 from sim.endings import again, command, keeping
 from sim.errors import ExitCode, UsageError
-from sim.folder import RunFolder, blamed_on, ensure_folder
+from sim.folder import RunFolder, blamed_on, ensure_folder, new_file
 from sim.progress import bar
 from sim.scenarios.predictions import prediction_key
 from sim.studies import maps
-from sim.studies.designing import DIRECTIONS, designs, tried
+from sim.studies.designing import DIRECTIONS, count_designs, designs, tried
 from sim.studies.results import findings, read_results
 from sim.sweeps import sweeping
 from sim.sweeps.file import read_sweep
@@ -30,6 +30,7 @@ from sim.sweeps.table import write_table
 from sim.templates import render
 
 PRINTED = 5  # reasons of failed points, at most
+MOST_DESIGNS = 10**6  # some 7 hours; 8 legs have 144,088, 12 legs 259 million
 PAGES = (".html", ".htm")
 
 
@@ -133,23 +134,27 @@ def study(options: argparse.Namespace) -> None:
 
 def design(options: argparse.Namespace) -> None:
     """Check every design, walk those that go everywhere, and print the table."""
-    robot = cli.robot_of(options, options.robot)
-    found = list(islice(designs(robot.legs), options.designs))
-    if not found:
+    robot, out = cli.robot_of(options, options.robot), options.out
+    count, legs = count_designs(len(robot.legs)), f"{len(robot.legs)} legs"
+    if not count:
         what = (
-            f"{len(robot.legs)} legs are too few for two groups, one of which carries "
+            f"{legs} are too few for two groups, one of which carries "
             "the body while the other is lifted"
         )
         remedy = "take six legs or more; `stratawalk check` judges a robot as it is"
         raise UsageError(what, options.robot, remedy)
-    rows = []
+    if options.designs is None and count > MOST_DESIGNS:
+        what = f"{legs} have {count:,} designs, which are too many to look at"
+        remedy = "add --designs 10000 for those with the fewest joints"
+        raise UsageError(what, options.robot, remedy)
+    path = None if out is None else new_file(Path(out), "table", ".parquet")
+    count, rows = min(options.designs or count, count), []
     with bar(quiet=options.json) as progress:
-        for row in tried(robot, found, options.walks):
+        for row in tried(robot, islice(designs(robot.legs), count), options.walks):
             rows.append(row)
-            progress("designs", len(rows) / len(found))
-    if options.out is not None:
-        about = {"robot": options.robot, "software": software()}
-        write_table(Path(options.out), rows, about)
+            progress("designs", len(rows) / count)
+    if path is not None:
+        write_table(path, rows, {"robot": options.robot, "software": software()})
     cli.report(options, rows, render("designs.txt", designs=_by_joints(rows)))
 
 

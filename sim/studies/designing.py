@@ -6,10 +6,11 @@ one angle, each one way or the other, or are locked where they stand.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from itertools import combinations, product
+from itertools import combinations
+from math import comb
 from typing import Any
 
 import numpy as np
@@ -59,21 +60,38 @@ class Design:
 def designs(legs: Sequence[int]) -> Iterator[Design]:
     """All designs, the fewest joints first; mirrored signs of a group count once."""
     head, *rest = legs
-    found = [
-        Design((first, second))
-        for size in range(STANDING, len(legs) - STANDING + 1)
-        for others in combinations(rest, size - 1)
-        for first in _ways((head, *others))
-        for second in _ways([leg for leg in rest if leg not in others])
-    ]
-    yield from sorted(found, key=lambda design: design.joints)
+    for joints in range(2, len(legs) + 1):
+        for size in range(STANDING, len(legs) - STANDING + 1):
+            for others in combinations(rest, size - 1):
+                second = [leg for leg in rest if leg not in others]
+                fewest = max(joints - len(second), 1)
+                for signs in _ways((head, *others), fewest, joints - 1):
+                    left = joints - sum(map(abs, signs.values()))
+                    for more in _ways(second, left, left):
+                        yield Design((signs, more))
 
 
-def _ways(group: Sequence[int]) -> Iterator[Signs]:
-    """Ways that the legs of a group can swing together, the first of them forward."""
-    for signs in product((1, -1, 0), repeat=len(group)):
-        if next((sign for sign in signs if sign), 0) == 1:
-            yield dict(zip(group, signs, strict=True))
+def count_designs(legs: int) -> int:
+    """Number of designs of so many legs, without making them."""
+    sizes = range(STANDING, legs - STANDING + 1)
+    ways = {size: (3**size - 1) // 2 for size in sizes}  # of a group to swing
+    return sum(comb(legs - 1, n - 1) * ways[n] * ways[legs - n] for n in sizes)
+
+
+def _ways(
+    group: Sequence[int], fewest: int, most: int, signs: Sequence[int] = (1, 0)
+) -> Iterator[Signs]:
+    """Ways that some legs of a group can swing together, the first of them forward."""
+    if not group:
+        yield {}
+        return
+    leg, *rest = group
+    for sign in signs:
+        less = abs(sign)
+        if less <= most and fewest - less <= len(rest):
+            then = (1, -1, 0) if sign else signs
+            for others in _ways(rest, fewest - less, most - less, then):
+                yield {leg: sign, **others}
 
 
 def directions(
@@ -102,7 +120,7 @@ def directions(
 
 
 def tried(
-    robot: Robot, found: Sequence[Design], walks: int
+    robot: Robot, found: Iterable[Design], walks: int
 ) -> Iterator[Mapping[str, Any]]:
     """A row of the table for every design; the first that go everywhere are walked."""
     known: dict[object, np.ndarray | None] = {}

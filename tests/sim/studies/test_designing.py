@@ -2,10 +2,12 @@
 
 import json
 
+import pandas
 import pytest
 
 from models.errors import ModelError
 from sim.cli import main
+from sim.commands import studies
 from sim.studies import designing
 from sim.studies.designing import DIRECTIONS, designs, directions
 
@@ -34,6 +36,45 @@ def test_two_swing_joints_suffice(capsys):
 def test_a_robot_with_four_legs_is_refused(capsys):
     assert main(["design", "quadruped"]) == 2
     assert "4 legs are too few for two groups" in capsys.readouterr().err
+
+
+def test_more_designs_than_can_be_looked_at_are_counted_and_refused(capsys, monkeypatch):
+    monkeypatch.setattr(studies, "MOST_DESIGNS", 1689)
+    assert main(["design", "hexapod"]) == 2
+    said = capsys.readouterr().err
+    assert "6 legs have 1,690 designs, which are too many to look at: hexapod; " in said
+    assert "--designs 10000" in said
+    few = ["design", "hexapod", "--designs", "3", "--walks", "0", "--json"]
+    assert main(few) == 0
+    assert len(json.loads(capsys.readouterr().out)) == 3
+
+
+@pytest.mark.parametrize(
+    ("name", "code", "said"),
+    [
+        ("mine.parquet", 2, "already exists: mine.parquet; give another name"),
+        ("model.xml", 2, "not a table's name: model.xml; give a name in .parquet"),
+        ("mine.parquet/x.parquet", 6, "cannot make the table's folder, "),
+    ],
+)
+def test_a_table_that_cannot_be_kept_is_refused_before_the_work(
+    tmp_path, monkeypatch, capsys, name, code, said
+):
+    monkeypatch.chdir(tmp_path)
+    for file in ("mine.parquet", "model.xml"):
+        (tmp_path / file).write_text("mine")
+    monkeypatch.setattr(studies, "tried", lambda *asked: pytest.fail("work was begun"))
+    assert main(["design", "hexapod", "--out", name]) == code
+    assert said in capsys.readouterr().err
+    for file in ("mine.parquet", "model.xml"):
+        assert (tmp_path / file).read_text() == "mine"
+
+
+def test_the_folder_of_a_table_is_made_for_it(tmp_path):
+    table = tmp_path / "new" / "designs.parquet"
+    few = ["design", "hexapod", "--designs", "3", "--walks", "0", "--out", str(table)]
+    assert main(few) == 0
+    assert len(pandas.read_parquet(table)) == 3
 
 
 def test_a_design_that_cannot_be_checked_says_why(hexapod, monkeypatch):
