@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import socket
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -26,6 +27,7 @@ from sim.sweeps.ledger import ALIKE, differences, software
 
 UNREADABLE = (ValueError, KeyError, TypeError, AttributeError, RecursionError)
 SIDE_BY_SIDE = " with "  # between keys that vary together
+OWN = re.compile(r"sweep(-\d+-of-\d+)?\.(json|lock|owner)")  # files of any shard
 
 
 def run_folder(point: int) -> str:
@@ -169,6 +171,11 @@ class SweepFolder:
         return about
 
 
+def abouts(folder: Path) -> list[Path]:
+    """The files of a folder that say what its sweep, or each of its shards, is about."""
+    return [path for path in folder.glob("sweep*.json") if OWN.fullmatch(path.name)]
+
+
 def claim(out: Path, shard: Shard, resume: bool) -> SweepFolder:
     """Make the folder of a sweep, or resume the one that is there.
 
@@ -179,8 +186,8 @@ def claim(out: Path, shard: Shard, resume: bool) -> SweepFolder:
     foreign = out.exists() and not begun
     if out.is_dir() and not begun:
         empty_will_do = resume or shard.count > 1
-        ours = any(out.glob("sweep*")) or (empty_will_do and not any(out.iterdir()))
-        foreign = not ours
+        there = [path.name for path in out.iterdir()]
+        foreign = not (any(map(OWN.fullmatch, there)) or (empty_will_do and not there))
     if (begun and not resume) or foreign:
         remedy = "give --resume to go on with it" if begun else "choose another folder"
         raise UsageError("already exists", str(out), remedy)
@@ -189,10 +196,10 @@ def claim(out: Path, shard: Shard, resume: bool) -> SweepFolder:
 
 
 @contextmanager
-def sole_owner(path: Path) -> Iterator[str | None]:
+def sole_owner(path: Path) -> Iterator[None]:
     """Hold the lock in a file while the block runs; another owner is named and refused.
 
-    Yields who held it last and ended without letting go, if anybody did.
+    What names the owner stays only where its process is killed.
     """
     lock, owner = FileLock(path, timeout=0), path.with_suffix(".owner")
     with telling("cannot be locked", path.parent, "choose another folder"):
@@ -203,12 +210,11 @@ def sole_owner(path: Path) -> Iterator[str | None]:
             remedy = "wait for it, or choose another folder with --out"
             raise FilesError(what, str(path.parent), remedy) from None
     try:
-        gone = _owner_in(owner)
         me = {"pid": os.getpid(), "host": socket.gethostname()}
         RunFolder(owner.parent).write_json(owner.name, me)
-        yield gone
-        owner.unlink(missing_ok=True)
+        yield
     finally:
+        owner.unlink(missing_ok=True)
         lock.release()
 
 

@@ -16,12 +16,12 @@ from models.morphology import geometry_of
 from planner.support import did_you_mean
 from sim.endings import command
 from sim.errors import FilesError, UsageError, one_line
-from sim.folder import RunFolder, ensure_folder
+from sim.folder import RunFolder, ensure_folder, require_free
 from sim.preparation.shared import PLAN
 from sim.run_folder import run
 from sim.scenarios.file import scenario_from, to_table
 from sim.sweeps.file import Sweep
-from sim.sweeps.folder import About, Shard, SweepFolder, run_folder, sole_owner
+from sim.sweeps.folder import About, Shard, SweepFolder, abouts, run_folder, sole_owner
 from sim.sweeps.ledger import OK, Outcome, digest, opened, read_ledger
 from sim.sweeps.table import Row, write_table
 from sim.sweeps.worker_pool import Task, open_pool
@@ -192,10 +192,14 @@ def merge(sources: Sequence[Path], out: Path) -> tuple[Result, Path]:
     """Join the shards of a sweep to one ledger and one table, whose path is returned.
 
     A folder may hold several shards, and be the one that the table is written to.
-    Shards that are not of one sweep, or that lack points, are refused.
+    Shards that are not of one sweep, or that lack points, are refused, and so is the
+    folder of another sweep, or of a table that is not known to be of this one.
     """
-    about = _common_about(sources)
-    points, folder = points_of(about.sweep, Shard()), SweepFolder(out)
+    folder, into = SweepFolder(out), [out] if abouts(out) else []
+    if not into:
+        require_free(folder.table, "--out")
+    about = _common_about([*sources, *into])
+    points = points_of(about.sweep, Shard())
     ledgers = [path for at in sources for path in sorted(at.glob("ledger*.jsonl"))]
     known = points.known(about, *dict.fromkeys([*ledgers, folder.ledger]))
     missing = [point for point, code in points.digests.items() if code not in known]
@@ -218,8 +222,7 @@ def _common_about(sources: Sequence[Path]) -> About:
     """What all shards are about, once they are found to agree."""
     found: dict[Path, About] = {}
     for source in sources:
-        paths = list(source.glob("sweep*.json"))
-        if not paths:
+        if not (paths := abouts(source)):
             raise UsageError("no sweep", str(source), "give the folder of a sweep")
         for path in paths:
             if (about := About.read(path)) is None:
@@ -229,6 +232,6 @@ def _common_about(sources: Sequence[Path]) -> About:
     for path, other in others:
         if differ := about.differences(other):
             what = f"not of one sweep, {'; '.join(differ)}"
-            remedy = "merge shards of the same file and software"
+            remedy = "merge shards of the same file and software, in a folder of theirs"
             raise UsageError(what, f"{first} and {path}", remedy)
     return replace(about, mixed=any(one.mixed for one in found.values()))

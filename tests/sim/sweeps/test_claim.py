@@ -38,9 +38,11 @@ def test_a_sweep_that_was_ended_before_it_wrote_anything_is_begun(holding):
 
 
 @pytest.mark.parametrize("resume", [False, True])
-def test_a_folder_of_something_else_is_refused(holding, resume):
+@pytest.mark.parametrize("name", ["notes.txt", "sweeps.txt", "sweep-ideas.json"])
+def test_a_folder_of_something_else_is_refused(holding, name, resume):
+    folder = holding(name, "table.parquet")
     with pytest.raises(UsageError, match="already exists.*choose another folder"):
-        claim(holding("notes.txt"), Shard(), resume)
+        claim(folder, Shard(), resume)
 
 
 def test_an_empty_folder_will_do_for_shards_and_to_resume_alone(holding, tmp_path):

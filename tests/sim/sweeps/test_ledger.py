@@ -132,13 +132,20 @@ def test_a_second_process_is_refused_and_told_of_the_first(tmp_path, owner):
         pass
 
 
-def test_the_lock_of_a_killed_process_is_free_and_its_owner_known(tmp_path, owner):
+def test_the_lock_of_a_killed_process_is_free_and_no_longer_its_own(tmp_path, owner):
     os.kill(owner.pid, signal.SIGKILL)
     owner.join(60)
-    with sole_owner(tmp_path / "x.lock") as gone:
-        assert gone.startswith(f"process {owner.pid} on")
-    with sole_owner(tmp_path / "x.lock") as gone:
-        assert gone is None
+    name = tmp_path / "x.owner"
+    assert json.loads(name.read_text())["pid"] == owner.pid
+    with sole_owner(tmp_path / "x.lock"):
+        assert json.loads(name.read_text())["pid"] == os.getpid()
+    assert not name.exists()
+
+
+def test_work_that_fails_leaves_no_name_of_an_owner(tmp_path):
+    with pytest.raises(UsageError), sole_owner(tmp_path / "x.lock"):
+        raise UsageError("begun with something else", "x", "choose another folder")
+    assert not (tmp_path / "x.owner").exists()
 
 
 def test_two_results_of_a_point_are_refused_by_its_number(tmp_path):
