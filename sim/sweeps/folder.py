@@ -172,7 +172,7 @@ class SweepFolder:
 
 
 def abouts(folder: Path) -> list[Path]:
-    """The files of a folder that say what its sweep, or each of its shards, is about."""
+    """Files of a folder that say what its sweep, or each of its shards, is about."""
     return [path for path in folder.glob("sweep*.json") if OWN.fullmatch(path.name)]
 
 

@@ -38,7 +38,7 @@ def test_a_robot_with_four_legs_is_refused(capsys):
     assert "4 legs are too few for two groups" in capsys.readouterr().err
 
 
-def test_more_designs_than_can_be_looked_at_are_counted_and_refused(capsys, monkeypatch):
+def test_too_many_designs_to_look_at_are_counted_and_refused(capsys, monkeypatch):
     monkeypatch.setattr(studies, "MOST_DESIGNS", 1689)
     assert main(["design", "hexapod"]) == 2
     said = capsys.readouterr().err

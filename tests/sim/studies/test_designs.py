@@ -24,7 +24,7 @@ def by_trial(legs):
     """All designs in their order: every sign of every leg tried, sorted by joints."""
     head, *rest = legs
     found = [
-        Design((dict(zip(first, one, strict=True)), dict(zip(second, two, strict=True))))
+        Design((dict(zip(first, one)), dict(zip(second, two))))  # noqa: B905
         for size in range(3, len(legs) - 2)
         for others in combinations(rest, size - 1)
         for first in [(head, *others)]
