@@ -223,7 +223,7 @@ def whole(
 def _writing(
     path: Path, needed: Callable[[], int] = lambda: 0, about: str = ""
 ) -> Iterator[None]:
-    with telling("cannot be written", path, "choose another folder with --out"):
+    with telling("cannot be written", path, "use a folder that can be written"):
         try:
             yield
         except FileExistsError as error:
@@ -232,6 +232,8 @@ def _writing(
         except OSError as error:
             if error.errno not in (errno.ENOSPC, errno.EDQUOT):
                 raise
-            most = f", {about}{size / 1e6:.1f} MB needed" if (size := needed()) else ""
-            remedy = "free some space, or use --out"
+            size = needed()
+            room = f"{size / 1e6:.1f} MB" if size >= 1e5 else f"{size / 1e3:.1f} kB"
+            most = f", {about}{room} needed" if size else ""
+            remedy = "free some space, or write to another disk"
             raise FilesError(f"disk full{most}", str(path), remedy) from error

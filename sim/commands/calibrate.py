@@ -37,6 +37,7 @@ BOARD_CHANNELS, BUS_NUMBERS = range(16), range(1, 254)
 MEGAHERTZ = 1e6  # [Hz]
 JOG = 20  # counts
 NONE = "-"
+MOST_MISTAKES = 100  # of a person at one question; a pipe may hold any number
 T = TypeVar("T")
 SKETCH, SCRIPT, PAGE, SHEET = "jog.ino", "bus.py", "index.html", "feet.svg"
 
@@ -79,17 +80,17 @@ def _prepare(
         JOG=JOG,
     )
     folder.write_text(tool, f"{text}\n")
-    if (folder.path / PAGE).exists():
+    rows = [(j, *map(degrees, marks(robot, j))) for j in robot.card.joints]
+    page = render("calibration.html", title=f"Calibration of {robot}", rows=rows)
+    folder.write_text(PAGE, page)
+    folder.write_text(SHEET, sheet(robot))
+    if (folder.path / f"joint-{len(rows)}.png").exists():  # the last one
         return
     with cli.working(options, "drawing the joints"):
-        sheet(robot, folder.path / SHEET)
         try:
             draw(robot, folder.path, allow_external=options.allow_external)
         except RenderError as error:
             cli.notice(str(error), "warning")
-    rows = [(j, *map(degrees, marks(robot, j))) for j in robot.card.joints]
-    page = render("calibration.html", title=f"Calibration of {robot}", rows=rows)
-    folder.write_text(PAGE, page)
 
 
 def _owned(robot: Robot, folder: RunFolder, options: argparse.Namespace) -> Robot:
@@ -220,14 +221,16 @@ class _Asker:
             self._answer = lambda _: next(lines)
 
     def __call__(self, question: str, read: Callable[[str], T]) -> T:
-        """What is answered, as `read` has it, which may refuse: asked once more."""
-        while True:
+        """What is answered, as `read` has it, which may refuse: asked again."""
+        for _ in range(MOST_MISTAKES):
             try:
                 return read(self._answer(question).strip())
             except (EOFError, StopIteration):
                 raise UsageError("answers end", self._place, way_on()) from None
             except (ValueError, argparse.ArgumentTypeError) as error:
                 print(printable(f"  {error}"))
+        what = f"{MOST_MISTAKES} answers to one question cannot be used"
+        raise UsageError(what, self._place, way_on())
 
 
 def _check(robot: Robot, kind: ServoKind, folder: RunFolder) -> Mapping[str, str]:

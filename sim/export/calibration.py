@@ -22,6 +22,7 @@ from planner import Array
 from sim import palette
 from sim.errors import RenderError
 from sim.export.servo_commands import ServoCommands
+from sim.folder import whole
 from sim.pictures import gl
 from sim.templates import render
 
@@ -171,7 +172,8 @@ def _draw(robot: Robot, folder: Path) -> None:
                 half = Image.fromarray(renderer.render())
                 text(ImageDraw.Draw(half), (EDGE, EDGE), f"mark {mark}", MIDDLE)
                 halves.append(np.asarray(half))
-            Image.fromarray(np.hstack(halves)).save(folder / f"joint-{number}.png")
+            with whole(folder / f"joint-{number}.png") as part:
+                Image.fromarray(np.hstack(halves)).save(part)
 
 
 def _carried(model: mujoco.MjModel, body: int) -> Array:
@@ -182,7 +184,7 @@ def _carried(model: mujoco.MjModel, body: int) -> Array:
     return np.flatnonzero(np.isin(model.geom_bodyid, on))
 
 
-def sheet(robot: Robot, path: Path) -> None:
+def sheet(robot: Robot) -> str:
     """A sheet in true size: feet in rings of a degree of swing, bearings of horns."""
     kinematics, legs = Kinematics(robot), []
     feet = kinematics.standing.feet
@@ -192,8 +194,7 @@ def sheet(robot: Robot, path: Path) -> None:
         ring, bearing = radians(1) * np.linalg.norm(way), np.arctan2(*way[::-1])
         legs.append((leg, hip, foot, ring, degrees(bearing)))
     low, high = feet.min(axis=0) - 2 * SHEET_EDGE, feet.max(axis=0) + 2 * SHEET_EDGE
-    text = render("feet.svg", legs=legs, low=low, high=high, corner=low + SHEET_EDGE)
-    path.write_bytes(text.encode())
+    return render("feet.svg", legs=legs, low=low, high=high, corner=low + SHEET_EDGE)
 
 
 if __name__ == "__main__":

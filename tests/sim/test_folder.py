@@ -151,6 +151,30 @@ def test_disk_that_fills_up_halfway_leaves_no_file(tmp_path):
     assert names(tmp_path) == []
 
 
+@pytest.mark.parametrize(
+    ("size", "told"), [(321, "0.3 kB"), (99_900, "99.9 kB"), (160_000, "0.2 MB")]
+)
+def test_a_full_disk_says_how_much_room_a_small_file_needs(tmp_path, size, told):
+    with (
+        pytest.raises(FilesError, match=f"disk full, {told} needed: .*; free some"),
+        whole(tmp_path / "report.html", size),
+    ):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+def test_advice_on_files_is_in_words_that_every_command_can_follow(tmp_path):
+    """As `show` and `view --replay`, which have no `--out`."""
+    for number, remedy in (
+        (errno.ENOSPC, "free some space, or write to another disk"),
+        (errno.EACCES, "use a folder that can be written"),
+    ):
+        with (
+            pytest.raises(FilesError, match=f"; {remedy}$"),
+            whole(tmp_path / "report.html"),
+        ):
+            raise OSError(number, os.strerror(number))
+
+
 def test_folder_that_vanished_is_an_error_of_the_file_system(tmp_path):
     with pytest.raises(FilesError, match="cannot be written, No such file"):
         RunFolder(tmp_path / "gone").write_text("a.txt", "")

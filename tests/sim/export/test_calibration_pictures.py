@@ -1,5 +1,7 @@
 """Pictures and the printed sheet by which servos are found."""
 
+import errno
+import os
 import re
 from contextlib import nullcontext
 
@@ -9,26 +11,34 @@ from PIL import Image
 
 from models import Kinematics, load
 from sim.cli import main
+from sim.errors import FilesError, RenderError
 from sim.export import calibration
 from tests.hostile import named_otherwise
 
 ROBOT = "hexapod-classroom"
 
 
+class Camera:
+    """Draws nothing but black, without a driver."""
+
+    def __init__(self, look=lambda data, view: None):
+        self.update_scene = look
+
+    def render(self):
+        """Two pixels by two."""
+        return np.zeros((2, 2, 3), dtype=np.uint8)
+
+
 def test_a_joint_is_drawn_from_its_own_side_of_the_robot(tmp_path, monkeypatch):
     """The camera alone, without a driver: its azimuth is the way that it looks."""
     robot, seen = load(ROBOT), []
 
-    class Camera:
-        def update_scene(self, data, view):
-            way = np.radians(view.azimuth)
-            stands = -np.array([np.cos(way), np.sin(way)])
-            seen.append((stands, view.lookat.copy(), data.qpos[:3].copy()))
+    def look(data, view):
+        way = np.radians(view.azimuth)
+        stands = -np.array([np.cos(way), np.sin(way)])
+        seen.append((stands, view.lookat.copy(), data.qpos[:3].copy()))
 
-        def render(self):
-            return np.zeros((2, 2, 3), dtype=np.uint8)
-
-    monkeypatch.setattr("mujoco.Renderer", lambda *_, **__: nullcontext(Camera()))
+    monkeypatch.setattr("mujoco.Renderer", lambda *_, **__: nullcontext(Camera(look)))
     calibration._draw(robot, tmp_path)
     kinematics = Kinematics(robot)
     hips = [kinematics.hinge(joint)[1][:2] for joint in robot.card.joints]
@@ -38,6 +48,47 @@ def test_a_joint_is_drawn_from_its_own_side_of_the_robot(tmp_path, monkeypatch):
     ):
         assert (middle == torso).all()
         assert stands @ hip > 0.7 * np.linalg.norm(hip)  # within 45 degrees
+
+
+def test_a_disk_that_is_full_leaves_no_half_of_a_picture(tmp_path, monkeypatch):
+    monkeypatch.setattr("mujoco.Renderer", lambda *_, **__: nullcontext(Camera()))
+    save, saved = Image.Image.save, []
+
+    def full(image, path):
+        saved.append(path)
+        if len(saved) == 2:
+            path.touch()
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        save(image, path)
+
+    monkeypatch.setattr(Image.Image, "save", full)
+    with pytest.raises(FilesError, match="disk full: .*joint-2.png; free some space"):
+        calibration._draw(load(ROBOT), tmp_path)
+    (drawn,) = tmp_path.iterdir()
+    assert drawn.name == "joint-1.png"
+    with Image.open(drawn) as picture:
+        assert picture.size == (4, 2)
+
+
+def test_joints_that_could_not_be_drawn_are_drawn_when_the_work_goes_on(
+    tmp_path, monkeypatch, capsys
+):
+    robot, tries = load(ROBOT), []
+
+    def draw(robot, folder, *, allow_external):
+        tries.append(folder)
+        if len(tries) == 1:
+            raise RenderError("cannot draw the joints", "disk full", "free some space")
+        (folder / f"joint-{len(robot.card.joints)}.png").touch()
+
+    monkeypatch.setattr("sim.commands.calibrate.draw", draw)
+    (tmp_path / "answers").write_text("")
+    words = ["calibrate", robot.name, "--answers", str(tmp_path / "answers")]
+    for _ in range(3):
+        assert main([*words, "--out", str(tmp_path / "a")]) == 2
+        assert (tmp_path / "a" / "index.html").exists()
+    assert len(tries) == 2
+    assert capsys.readouterr().err.count("warning: cannot draw the joints") == 1
 
 
 @pytest.mark.full
@@ -61,10 +112,9 @@ def test_each_joint_is_drawn_at_both_marks_in_colour(tmp_path):
         assert red.mean() < 0.05  # and nothing else is red
 
 
-def test_the_sheet_has_its_size_and_a_ring_of_a_degree_for_each_foot(tmp_path):
+def test_the_sheet_has_its_size_and_a_ring_of_a_degree_for_each_foot():
     robot = load(ROBOT)
-    calibration.sheet(robot, tmp_path / "feet.svg")
-    text = (tmp_path / "feet.svg").read_text()
+    text = calibration.sheet(robot)
     millimetres = re.findall(r'(?:width|height)="([\d.]+)mm"', text)
     feet = Kinematics(robot).standing.feet
     edge = 4 * calibration.SHEET_EDGE  # two on every side
@@ -89,7 +139,7 @@ def test_the_name_of_a_folder_commands_no_terminal(tmp_path, monkeypatch, capsys
     (tmp_path / "answers").write_text("")
     name = "a\x1b[2J"
     (tmp_path / name).mkdir()
-    (tmp_path / name / "index.html").touch()
+    (tmp_path / name / f"joint-{len(load(ROBOT).card.joints)}.png").touch()
     words = ["calibrate", "hexapod-classroom", "--out", name, "--answers", "answers"]
     assert main(words) == 2
     told = capsys.readouterr()
