@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from difflib import get_close_matches
+from os import PathLike, fspath
 from os.path import lexists
 from pathlib import Path
 from shlex import quote
@@ -31,7 +32,7 @@ def shipped_robots() -> tuple[str, ...]:
 
 
 def load(
-    name: str,
+    name: str | PathLike[str],
     *,
     allow_external: bool = False,
     geometry: Mapping[str, float] | None = None,
@@ -57,7 +58,7 @@ def load(
         >>> robot.legs, robot.groups
         ((1, 2, 3, 4, 5, 6), ('1', '2'))
     """
-    path, opened = _find(name), Opened()
+    path, opened = _find(fspath(name)), Opened()
     beside = path.with_suffix(".toml")
     if path.parent != FOLDER:
         cards = (beside,) if lexists(beside) else ()

@@ -223,7 +223,7 @@ def whole(
 def _writing(
     path: Path, needed: Callable[[], int] = lambda: 0, about: str = ""
 ) -> Iterator[None]:
-    with telling("cannot be written", path, "use a folder that can be written"):
+    with telling("cannot be written", path, "choose a folder that can be written"):
         try:
             yield
         except FileExistsError as error:

@@ -136,7 +136,6 @@ def load_system(
 
     Raises:
         ProblemError: It cannot be read, or what it says is impossible.
-        OSError: The file cannot be opened.
 
     Example:
         >>> from importlib.resources import files
@@ -151,6 +150,10 @@ def load_system(
         return _decode(path.stem, parse_toml(read_text(path)), values or {})
     except (ValueError, PlannerError) as error:
         raise ProblemError(f"bad system: {path}; {error}") from error
+    except OSError as error:
+        gone = isinstance(error, FileNotFoundError)
+        what = "no such system file" if gone else f"cannot be read, {error.strerror}"
+        raise ProblemError(f"{what}: {path}; give a file that exists") from error
 
 
 def _run(path: Path, values: Mapping[str, object]) -> Problem:

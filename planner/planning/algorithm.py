@@ -124,11 +124,9 @@ class Plan:
 
     @property
     def _size(self) -> str:
-        segments = len(self.segment_ends)
-        return (
-            f"{segments} segment{'s' * (segments > 1)}, {len(self.flows)} flows, "
-            f"{self.contact_switches} contact switches"
-        )
+        segments, flows = len(self.segment_ends), len(self.flows)
+        parts = f"{segments} segment{'s' * (segments > 1)}, {flows} flows"
+        return f"{parts}, {self.contact_switches} contact switches"
 
     def __repr__(self) -> str:
         return f"<Plan: {self._size}>"
@@ -198,6 +196,8 @@ def plan(
     if degree is not None:
         extended = extended.to_degree(degree)
     execution = execution or Execution()
+    if not isinstance(execution, Execution):
+        raise ValueError(f"execution is {execution!r}; give an Execution, or none")
     try:
         planned = follow_path(extended, nominal, segments, execution, nodes)
         require_use(extended, planned.nominal, planned.flows)

@@ -97,8 +97,6 @@ def find(source: str, values: Mapping[str, object]) -> Problem:
     path = Path(source)
     if path.suffix not in SUFFIXES:
         return shipped_system(source, values)
-    if not path.is_file():
-        raise UsageError("no such system file", source, "give a file that exists")
     return load_system(path, values)
 
 

@@ -38,7 +38,7 @@ def shipped_scenarios() -> tuple[str, ...]:
 
 
 def load_scenario(
-    source: str, overrides: Mapping[str, object] | None = None
+    source: Path | str, overrides: Mapping[str, object] | None = None
 ) -> Scenario:
     """Read a scenario.
 
@@ -57,11 +57,18 @@ def load_scenario(
         >>> scenario.segments, scenario.friction, scenario.path.goal
         (40, 0.5, (0.1, 0.0, 0.0))
     """
-    table, where = scenario_table(source)
-    given = dict(overrides or {})
+    table, where = scenario_table(str(source))
+    given = _plain(dict(overrides or {}))
     _anchor(given, "robot", Path.cwd(), ".xml")
     _anchor(given, "motion", Path.cwd())
     return scenario_from(table, given, where)
+
+
+def _plain(value: Any) -> Any:
+    """A value as a file would give it: arrays as lists, and texts for keys."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(inner) for key, inner in value.items()}
+    return value.tolist() if hasattr(value, "tolist") else value
 
 
 def scenario_table(source: str) -> tuple[Values, str]:

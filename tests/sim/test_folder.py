@@ -166,7 +166,7 @@ def test_advice_on_files_is_in_words_that_every_command_can_follow(tmp_path):
     """As `show` and `view --replay`, which have no `--out`."""
     for number, remedy in (
         (errno.ENOSPC, "free some space, or write to another disk"),
-        (errno.EACCES, "use a folder that can be written"),
+        (errno.EACCES, "choose a folder that can be written"),
     ):
         with (
             pytest.raises(FilesError, match=f"; {remedy}$"),

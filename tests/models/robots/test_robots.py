@@ -148,6 +148,15 @@ def test_a_missing_file_is_named():
         load("nowhere.xml")
 
 
+def test_a_robot_may_be_named_by_a_path(tmp_path):
+    for name in ("scene.xml", "hexapod.xml", "hexapod.toml"):
+        (tmp_path / name).write_text((FOLDER / name).read_text())
+    file = tmp_path / "hexapod.xml"
+    assert load(file).text == load(str(file)).text
+    with pytest.raises(TypeError, match="expected str, bytes or os.PathLike object"):
+        load(3)
+
+
 def test_a_file_that_is_no_mjcf_is_refused_in_one_line(tmp_path):
     path = tmp_path / "broken.xml"
     path.write_text("<mujoco><worldbody><geom sizee='1'/></worldbody></mujoco>")

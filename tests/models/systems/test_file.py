@@ -241,6 +241,17 @@ def test_power_of_a_parameter_is_too_large_like_a_written_one(read):
         read(text, values={"radius": 99999999999})
 
 
+@pytest.mark.parametrize("name", ["gone.toml", "gone.py"])
+def test_a_file_that_is_not_there_is_a_problem_of_ours(tmp_path, name):
+    path, way = tmp_path / name, "give a file that exists"
+    with pytest.raises(ProblemError, match=f"no such system file: {path}; {way}"):
+        load_system(path)
+    path.mkdir()
+    why = "cannot be read, Is a directory"
+    with pytest.raises(ProblemError, match=f"{why}: {path}; {way}"):
+        load_system(path)
+
+
 def test_file_that_is_no_text_is_refused(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_bytes(b"\xff\xfe\x00")

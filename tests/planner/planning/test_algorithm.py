@@ -215,6 +215,13 @@ def test_unknown_choices_are_refused(paper, choice, error, message):
         plan(paper, DIAGONALLY, 1, execution=Execution(**choice))
 
 
+@pytest.mark.parametrize("execution", ["paper", 3])
+def test_what_is_no_execution_is_refused_in_a_sentence(paper, execution):
+    said = f"execution is {execution!r}; give an Execution, or none"
+    with pytest.raises(ValueError, match=said):
+        plan(paper, DIAGONALLY, 1, execution=execution)
+
+
 def test_rank_lost_on_the_way_is_refused_with_the_place():
     with pytest.raises(RankError, match=r"rank 1 of 2 at \(0, 0\)"):
         plan(flat_power(1), line([-1, 0], [1, 0]), 2, ["g1", "g2"])

@@ -1,0 +1,37 @@
+"""Scenarios that a program asks for, with the values that programs have at hand."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sim.errors import UsageError
+from sim.scenarios.file import load_scenario
+
+
+@pytest.mark.parametrize(
+    ("changes", "same"),
+    [
+        ({"path.goal": np.array([0.1, 0, 0])}, {"path.goal": [0.1, 0, 0]}),
+        ({"friction": np.array(0.5)}, {"friction": 0.5}),
+        ({"segments": np.int64(4)}, {"segments": 4}),
+        (
+            {"path": {"kind": "line", "goal": np.array([0.1, 0, 0])}},
+            {"path": {"kind": "line", "goal": [0.1, 0, 0]}},
+        ),
+    ],
+)
+def test_arrays_are_taken_as_lists_of_their_numbers(changes, same):
+    assert load_scenario("line", changes) == load_scenario("line", same)
+
+
+def test_a_key_that_is_no_text_is_unknown():
+    with pytest.raises(UsageError, match="unknown key '1'"):
+        load_scenario("line", {1: 2})
+
+
+def test_a_scenario_may_be_named_by_a_path(tmp_path):
+    file = tmp_path / "mine.toml"
+    file.write_text('segments = 3\n[path]\nkind = "line"\ngoal = [0.1, 0.0, 0.0]\n')
+    assert load_scenario(file) == load_scenario(str(file))
+    assert load_scenario(Path("line")) == load_scenario("line")
