@@ -12,6 +12,7 @@ from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from itertools import count
 from math import hypot
+from pathlib import Path
 from queue import Empty, Queue
 from threading import Thread
 from typing import IO, TYPE_CHECKING
@@ -65,6 +66,8 @@ def _opened(files: ExitStack, name: str, mode: str, standard: IO[str]) -> IO[str
         return standard
     if mode == "w" and (os.path.isfile(name) or not os.path.exists(name)):
         mode = "x"  # what exists must be a pipe or a device
+    if Path(name).is_fifo():  # opening it waits as long as it takes to start the robot
+        cli.notice(f"waiting for a program at the other end of {name}")
     with telling("cannot be opened", name, "name a file, a pipe, or -"):
         try:
             file = open(name, mode, encoding="utf-8")  # noqa: SIM115 (closed below)

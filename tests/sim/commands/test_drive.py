@@ -8,6 +8,7 @@ import shlex
 import subprocess
 import sys
 import time
+from contextlib import ExitStack
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -15,7 +16,7 @@ import numpy as np
 import pytest
 
 from sim.cli import main
-from sim.commands.drive import Link, Poses
+from sim.commands.drive import Link, Poses, _opened
 from sim.errors import UsageError
 
 ROBOT = Path(__file__).with_name("imperfect_robot.py")
@@ -166,6 +167,19 @@ def test_no_file_is_made_through_a_link_that_leads_nowhere(tmp_path, capsys):
     assert main([*way(), "--commands", str(path)]) == 2
     assert f"already exists: {path}; give --commands" in capsys.readouterr().err
     assert not (tmp_path / "elsewhere").exists()
+
+
+@pytest.mark.parametrize(("mode", "other"), [("w", os.O_RDONLY), ("r", os.O_RDWR)])
+def test_a_pipe_that_may_be_waited_for_is_named(tmp_path, capsys, mode, other):
+    os.mkfifo(pipe := tmp_path / "pipe")
+    end = os.open(pipe, other | os.O_NONBLOCK)  # there is nothing to wait for
+    try:
+        with ExitStack() as files:
+            _opened(files, str(pipe), mode, sys.stdout)
+    finally:
+        os.close(end)
+    said = capsys.readouterr().err
+    assert f"waiting for a program at the other end of {pipe}\n" in said
 
 
 def test_what_takes_no_commands_is_named(capsys):
