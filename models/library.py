@@ -84,10 +84,8 @@ def load(
 def _variant(robot: Robot, geometry: Mapping[str, float]) -> Robot:
     """A shipped robot with other numbers of its shape."""
     if not robot.is_shipped:
-        raise ModelError(
-            f"geometry {', '.join(geometry)} of a robot of your own: {robot.path}; "
-            "change its file, or take a shipped robot"
-        )
+        what = f"geometry {', '.join(geometry)} of a robot of your own: {robot.path}"
+        raise ModelError(f"{what}; change its file, or take a shipped robot")
     try:
         shape = reshaped(robot.name, geometry)
     except ValueError as error:
@@ -119,13 +117,11 @@ def _card(path: Path, beside: Path) -> tuple[str, str]:
     """Text of a robot's card, and where it stands."""
     spec = read_spec(path)
     inside = [text.data for text in spec.texts if text.name == EMBEDDED]
+    own = f"custom text {EMBEDDED!r} in {path}"
     if inside and lexists(beside):
-        raise ModelError(
-            f"two robot cards: {beside}, and the custom text {EMBEDDED!r} in {path}; "
-            "keep one of them"
-        )
+        raise ModelError(f"two robot cards: {beside}, and the {own}; keep one of them")
     if inside:
-        return inside[0], f"custom text {EMBEDDED!r} in {path}"
+        return inside[0], own
     if lexists(beside):
         return card_text(beside), str(beside)
     if spec.modelname in shipped_robots():

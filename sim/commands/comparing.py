@@ -15,7 +15,7 @@ from sim.commands import options as cli
 from sim.endings import command, keeping
 from sim.errors import UsageError
 from sim.folder import RunFolder, blamed_on, claim, ensure_folder, new_file, whole
-from sim.progress import bar, stage
+from sim.progress import bar
 from sim.reports import comparison
 from sim.reports.tables import Table
 from sim.runs.run import Run, read_run
@@ -82,10 +82,9 @@ def sensitivities(options: argparse.Namespace) -> None:
     """Print the table, and draw the picture if one is asked for."""
     folder, out = cli.run_of(options), options.out
     path = None if out is None else new_file(Path(out), "picture", *PICTURES)
-    with blamed_on(folder), bar(quiet=options.json) as progress:
+    with blamed_on(folder), cli.working(options, "predicting changed robots"):
         run = read_run(folder)
-        with stage(progress, "predicting changed robots"):
-            found = rows(run)
+        found = rows(run)
     if path is not None:
         draw(run, found, path)
     cli.report(options, found, render("sensitivities.txt", rows=found))

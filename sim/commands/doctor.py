@@ -7,12 +7,17 @@ requirements outside a checkout, and their files with the hashes that pip wrote 
 from __future__ import annotations
 
 import argparse
+import csv
+import hashlib
 import subprocess
 import sys
+import time
+from base64 import urlsafe_b64encode
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 from importlib.metadata import Distribution, PackageNotFoundError, distribution
 from importlib.util import find_spec
+from io import BytesIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, NamedTuple
@@ -80,8 +85,6 @@ def _examined(check: Check) -> Finding:
 
 
 def _physics() -> str:
-    import time
-
     import mujoco
 
     from models import load
@@ -122,8 +125,6 @@ def _film() -> str:
 
 
 def _figures() -> str:
-    from io import BytesIO
-
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
@@ -183,10 +184,6 @@ def _wanted() -> list[Requirement]:
 
 def _changed(found: Distribution) -> Iterator[Path]:
     """Files of a package that are gone, or are not what their hashes say."""
-    import csv
-    import hashlib
-    from base64 import urlsafe_b64encode
-
     listed = csv.reader((found.read_text("RECORD") or "").splitlines())
     for name, sealed, *_ in listed:  # `found.files` leaves out what is gone
         kind, _, wanted = sealed.partition("=")

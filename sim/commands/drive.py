@@ -11,11 +11,13 @@ from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from itertools import count
-from math import hypot
+from math import hypot, isfinite, nan
 from pathlib import Path
 from queue import Empty, Queue
 from threading import Thread
 from typing import IO, TYPE_CHECKING
+
+import numpy as np
 
 from sim.commands import options as cli
 from sim.errors import FilesError, UsageError, telling
@@ -125,8 +127,6 @@ class Poses:
 
 def _pose(line: str) -> tuple[float, list[float]]:
     """Time and pose of a line; what it does not tell is NaN."""
-    from math import isfinite, nan
-
     table = json.loads(line, parse_int=float)
     values = [table.get(key, nan) for key in ("time", "x", "y", "yaw")]
     when, *pose = values = [nan if value is None else value for value in values]
@@ -167,10 +167,6 @@ class Link:
 
     def reading(self, walk: ServedWalk) -> list[float]:
         """The mean of the poses of a stop, while the robot stands; NaN without any."""
-        from math import nan
-
-        import numpy as np
-
         sensing, stopped = walk.feedback.sensing, walk.time
         found = list[list[float]]()
         due = (len(walk.stops) + 1) % sensing.every == 0

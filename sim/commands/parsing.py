@@ -113,14 +113,12 @@ class Version(argparse.Action):
 def parser() -> Parser:
     """The command line of every command."""
     stratawalk = Parser("stratawalk", **ABOUT, allow_abbrev=False)
-    stratawalk.add_argument(
-        "--version", action=Version, nargs=0, help="print the version and end"
-    )
+    about = "print the version and end"
+    stratawalk.add_argument("--version", action=Version, nargs=0, help=about)
     commands = stratawalk.add_subparsers(metavar="COMMAND", required=True)
     for name, declared in COMMANDS.items():
-        declare(
-            commands.add_parser(name, help=declared["help"], allow_abbrev=False), name
-        )
+        own = commands.add_parser(name, help=declared["help"], allow_abbrev=False)
+        declare(own, name)
     return stratawalk
 
 
@@ -156,11 +154,10 @@ def _instead_of(first: str, rest: Sequence[str]) -> str:
         return f"did you mean {line}? stratawalk help lists all commands"
     if keys := exact or _settings_named(first):
         value = next((word for word in rest[:1] if not word.startswith("-")), "VALUE")
-        item, more = SETTINGS[keys[0]], f"; likewise {', '.join(keys[1:])}"
+        item, more = SETTINGS[keys[0]], ", ".join(keys[1:])
+        words = f"{item.meaning}; likewise {more}" if more else item.meaning
         set_to = f"stratawalk run line --set {_given(keys[0], value)}"
-        return (
-            f"try {set_to} ({item.allowed}): {item.meaning}{more if keys[1:] else ''}"
-        )
+        return f"try {set_to} ({item.allowed}): {words}"
     return "begin with stratawalk run line; stratawalk help lists all commands"
 
 

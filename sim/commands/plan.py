@@ -13,14 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from planner import (
-    BudgetError,
-    Plan,
-    RangeError,
-    load_plan,
-    rollout,
-    save_plan,
-)
+from planner import BudgetError, Plan, RangeError, load_plan, rollout, save_plan
 from planner.support import limited
 from sim.commands import options as cli
 from sim.commands.declared import GUESSES

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import argparse
 import os
-from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict
-from itertools import islice
+from itertools import groupby, islice
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -137,10 +137,7 @@ def design(options: argparse.Namespace) -> None:
     robot, out = cli.robot_of(options, options.robot), options.out
     count, legs = count_designs(len(robot.legs)), f"{len(robot.legs)} legs"
     if not count:
-        what = (
-            f"{legs} are too few for two groups, one of which carries "
-            "the body while the other is lifted"
-        )
+        what = f"{legs} are too few for two groups that carry the body in turn"
         remedy = "take six legs or more; `stratawalk check` judges a robot as it is"
         raise UsageError(what, options.robot, remedy)
     if options.designs is None and count > MOST_DESIGNS:
@@ -160,10 +157,8 @@ def design(options: argparse.Namespace) -> None:
 
 def _by_joints(rows: list[Mapping[str, Any]]) -> Iterator[tuple[object, ...]]:
     """Designs, where they go, all that go everywhere, walks and the best of these."""
-    by_joints = defaultdict(list)
-    for row in rows:
-        by_joints[row["joints"]].append(row)
-    for joints, some in sorted(by_joints.items()):
+    for joints, alike in groupby(rows, itemgetter("joints")):  # in ascending order
+        some = list(alike)
         goes = np.array([[row[f"goes.{way}"] for way in DIRECTIONS] for row in some])
         walked = [row for row in some if row.get("min_margin") is not None]
         best = min(walked, key=lambda row: row["strokes_per_metre"], default=None)

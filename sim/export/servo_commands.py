@@ -76,9 +76,8 @@ def taken(
     """
     pace = rate * timestep
     if pace > 1 + SLACK:
-        raise UsageError(
-            f"{rate:g} commands a second", "--rate", f"give at most {1 / timestep:g}"
-        )
+        what, remedy = f"{rate:g} commands a second", f"give at most {1 / timestep:g}"
+        raise UsageError(what, "--rate", remedy)
     step = step_of(np.arange(np.ceil(-SLACK), len(ctrl) * pace + 1), pace)
     row = step[(step >= 0) & (step < len(ctrl))]
     return ServoCommands(joints, rate, ctrl[row][:, actuators])

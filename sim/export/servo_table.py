@@ -159,10 +159,8 @@ def _require_counts(joints: Sequence[str], known: Mapping[str, JointServo]) -> N
         servo = known.get(joint, JointServo())
         if servo.counts_per_radian is None or servo.center is None:
             what = f"servos on a bus take no pulses, and joint {joint!r} has one"
-            remedy = (
-                "take --format dynamixel, or give center and counts_per_radian under "
-                f"[servo.{joint}] in the card"
-            )
+            own = f"center and counts_per_radian under [servo.{joint}] in the card"
+            remedy = f"take --format dynamixel, or give {own}"
             raise UsageError(what, "--format", remedy)
 
 

@@ -190,12 +190,11 @@ def explained(values: Sequence[object], results: Array, exact: bool) -> float | 
 def group(values: Sequence[object], separate: bool = False) -> Array:
     """Number of each point's group of equal or neighbouring values, shape (N,)."""
     comparable = list(map(_comparable, values))
-    distinct = sorted(set(comparable))
-    place = {value: number for number, value in enumerate(distinct)}
+    place = {value: number for number, value in enumerate(sorted(set(comparable)))}
     ranks = np.array([place[value] for value in comparable], dtype=int)
-    if separate or len(distinct) <= SEPARATE:
+    if separate or len(place) <= SEPARATE:
         return ranks
-    return ranks * int(np.clip(len(ranks) // EACH, *BINS)) // len(distinct)
+    return ranks * int(np.clip(len(ranks) // EACH, *BINS)) // len(place)
 
 
 def _comparable(value: object) -> tuple[str, object]:

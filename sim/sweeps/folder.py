@@ -151,10 +151,6 @@ class SweepFolder:
         """What the sweep is about."""
         return self.path / f"sweep{self.shard.suffix}.json"
 
-    def write_about(self, about: About) -> None:
-        """Write down what the sweep is about."""
-        RunFolder(self.path).write_json(self.about.name, asdict(about))
-
     def agree(self, about: About, mix: bool) -> About:
         """Write down what the sweep is about, once it is found to be what it was.
 
@@ -167,7 +163,7 @@ class SweepFolder:
             remedy = "choose another folder, or mix them in one table with --force-mix"
             raise UsageError(what, str(self.path), remedy)
         about = replace(about, mixed=mix or before.mixed)
-        self.write_about(about)
+        RunFolder(self.path).write_json(self.about.name, asdict(about))
         return about
 
 

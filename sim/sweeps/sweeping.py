@@ -11,7 +11,7 @@ from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Seq
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
-from models import shipped_robots
+from models import load, shipped_robots
 from models.morphology import geometry_of
 from planner.support import did_you_mean
 from sim.endings import command
@@ -105,18 +105,12 @@ def points_of(sweep: Sweep, shard: Shard) -> Points:
 
 def _require_robot(robot: str, names: Sequence[str]) -> None:
     """Refuse what cannot be found, a robot or a number of its shape, beforehand."""
-    where = "the sweep's file"
-    if robot.endswith(".xml"):
-        if not Path(robot).is_file():
-            raise UsageError("no such robot file", robot, "give one that exists")
-    elif robot not in (shipped := shipped_robots()):
-        near = did_you_mean(robot, shipped)
-        raise UsageError(f"unknown robot {robot!r}", where, near)
-    else:
-        known = geometry_of(robot)
-        for name in (name for name in names if name not in known):
-            what = f"unknown number geometry.{name} of {robot}"
-            raise UsageError(what, where, did_you_mean(name, known))
+    if not Path(robot).is_file():
+        load(robot)  # which finds shipped ones alone
+    known = geometry_of(robot) if robot in shipped_robots() else names
+    for name in (name for name in names if name not in known):
+        what = f"unknown number geometry.{name} of {robot}"
+        raise UsageError(what, "the sweep's file", did_you_mean(name, known))
 
 
 def carry_on(
@@ -213,7 +207,7 @@ def merge(sources: Sequence[Path], out: Path) -> tuple[Result, Path]:
     with sole_owner(folder.lock), opened(folder.ledger) as ledger:
         written = read_ledger(folder.ledger)
         ledger.add([o for code, o in known.items() if code not in written])
-        folder.write_about(about)
+        about = folder.agree(about, mix=about.mixed)
         write_table(folder.table, list(points.rows(known)), asdict(about))
     return points.result(known), folder.table
 
