@@ -197,20 +197,6 @@ def test_mistakes_without_end_are_asked_again_and_told_in_plain_characters(
     assert r"\x1b[31m" in told.out
 
 
-def test_a_pipe_that_never_answers_a_question_is_left_after_a_while(calibrate, capsys):
-    asked = []
-
-    def owner(question):
-        asked.append(question)
-        assert len(asked) < 1000
-        return "y"
-
-    assert calibrate(owner, ROBOT) == 2
-    said = told_of(capsys)
-    assert "100 answers to one question cannot be used: standard input; " in said
-    assert "keeps 0 of 12 servos; go on: stratawalk calibrate" in said
-
-
 @pytest.mark.parametrize("mistake", ["none", "sign", "zero"])
 def test_strokes_show_a_wrong_sign_and_a_zero_a_degree_off(calibrate, capsys, mistake):
     board, robot, joint = Board(4), load(ROBOT), "swing_3"

@@ -145,3 +145,21 @@ def test_the_name_of_a_folder_commands_no_terminal(tmp_path, monkeypatch, capsys
     told = capsys.readouterr()
     assert "\x1b" not in told.out + told.err
     assert "a\\x1b[2J" in told.out
+
+
+def test_a_pipe_that_never_answers_a_question_is_left_after_a_while(
+    tmp_path, monkeypatch, capsys
+):
+    asked = []
+
+    def answer(question):
+        asked.append(question)
+        assert len(asked) < 1000
+        return "y"
+
+    monkeypatch.setattr("builtins.input", answer)
+    monkeypatch.setattr("sim.commands.calibrate.draw", lambda *_, **__: None)
+    assert main(["calibrate", ROBOT, "--out", str(tmp_path / "a")]) == 2
+    said = capsys.readouterr().err
+    assert "100 answers to one question cannot be used: standard input; " in said
+    assert "keeps 0 of 12 servos; go on: stratawalk calibrate" in said
