@@ -191,7 +191,7 @@ def _tried(path: Path) -> list[str]:
 
 
 HANDY = 5 * 10**8  # bytes of a compiled model and of its states
-STATES = 1000  # of a walk that are kept at once
+STATES_KEPT = 1000  # of a walk that are kept at once
 TOO_LARGE = ("Could not allocate memory", "unknown exception")  # as MuJoCo says it
 
 
@@ -203,10 +203,10 @@ def examine(path: Path) -> list[Path]:
             check_text(text)
     model = compile_model(read_spec(path), str(path))
     numbers = model.nsensordata + model.nuserdata + model.nq + model.nv
-    size = mujoco.mj_sizeModel(model) + 8 * STATES * numbers
+    size = mujoco.mj_sizeModel(model) + 8 * STATES_KEPT * numbers
     if size > HANDY:
         raise ModelError(
-            f"too large: {path}; compiled it has, with {STATES} states, "
+            f"too large: {path}; compiled it has, with {STATES_KEPT} states, "
             f"{size / 1e9:.1f} GB, and {HANDY / 1e9:g} GB are the most: leave parts out"
         )
     with one_line(f"MuJoCo cannot run the model: {path}", "too small a <size memory>?"):

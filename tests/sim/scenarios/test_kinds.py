@@ -182,3 +182,8 @@ def test_a_table_has_the_keys_that_it_needs_and_no_unknown_ones(table, said):
             require_keys(table, "here", ["goal = [1, 2]"], ["more"])
     else:
         require_keys(table, "here", ["goal = [1, 2]"], ["more"])
+
+
+@pytest.mark.parametrize("value", [-0.0, np.float64(-0.0), 0])
+def test_zero_has_no_sign(value):
+    assert repr(read(value, SHARE)) == "0.0"
