@@ -15,6 +15,7 @@ from models import Robot
 from models.description import ON_JOINT
 from planner.support import shipped_tables
 from sim.scenarios.scenario import Scenario
+from sim.world.floor import floor_pairs
 from sim.world.motors import added_rotors, undamped_joints
 from sim.world.servos import (
     couplings,
@@ -32,6 +33,7 @@ def changes(robot: Robot, scenario: Scenario) -> Iterator[str]:
     spec, asked = robot.read(), servo_settings(scenario, robot.card)
     motors = {a.target for a in spec.actuators if a.trntype in ON_JOINT}
     added, feet = added_rotors(robot, asked), [spec.geom(n) for n in robot.card.feet]
+    pairs = floor_pairs(spec, robot)
     bound = [robot.model.eq(n).name or f"number {n + 1}" for n in couplings(robot)]
     found: dict[str, Sequence[str]] = {  # names of parts by what is done to them
         "other_drives": other_drives(robot),
@@ -41,6 +43,7 @@ def changes(robot: Robot, scenario: Scenario) -> Iterator[str]:
         "rotors": [*added],
         "springs": [*undamped_joints(robot, asked)],
         "wide": [foot.name for foot in feet if foot.margin or foot.gap],
+        "pairs": sorted({p.geomname1 for p in pairs} | {p.geomname2 for p in pairs}),
     }
     inertia = next(iter(added.values()), 0.0)
     for what, names in found.items():

@@ -50,12 +50,21 @@ def scene() -> mujoco.MjSpec:
     return mujoco.MjSpec.from_file(str(FOLDER / "scene.xml"))
 
 
+def floor_pairs(spec: mujoco.MjSpec, robot: Robot) -> list[mujoco.MjsPair]:
+    """The file's own contacts of feet with the world, friction and all."""
+    feet, world = {*robot.card.feet}, {geom.name for geom in spec.worldbody.geoms}
+    ends = [(pair, {pair.geomname1, pair.geomname2}) for pair in spec.pairs]
+    return [pair for pair, both in ends if both & feet and both & world]
+
+
 def ensure_floor(spec: mujoco.MjSpec, robot: Robot) -> Floor:
     """The plane to stand on, with the contact of the shipped scene's floor.
 
     It is the highest horizontal plane that all feet can touch; the shipped scene joins
     a robot that has none. A plane that is neither floor nor wall is refused.
     """
+    for pair in floor_pairs(spec, robot):
+        spec.delete(pair)
     feet = [spec.geom(name) for name in robot.card.feet]
     for foot in feet:
         if not (foot.contype or foot.conaffinity):

@@ -7,6 +7,7 @@ import pytest
 from models.description.robot import FOLDER
 from models.library import load as load_robot
 from sim.physics.engine import Engine
+from sim.world.changes import changes
 from sim.world.model import build, load
 from sim.world.sensors import SELF_CONTACT, Touches
 
@@ -59,6 +60,25 @@ def test_what_is_measured_does_not_depend_on_a_robots_own_sensors_and_flags(
             assert np.array_equal(mine[at], usual[i])
     readings = [Engine(model).sense() for model in (odd, plain)]
     assert np.sort(readings[0]).tolist() == np.sort(readings[1]).tolist()
+
+
+def test_a_files_own_contacts_of_feet_with_the_floor_give_way_to_those_of_the_scenario(
+    robot, hexapod, scenario
+):
+    feet = ("foot_1", "foot_2", "foot_3", "foot_4")
+    pairs = "".join(f'<pair geom1="{foot}" geom2="floor"/>' for foot in feet)
+    legs = '<pair geom1="foot_5" geom2="foot_6"/>'
+    own = robot(WORLD, f"<contact>{pairs}{legs}</contact>{WORLD}")
+    asked = scenario(friction=0.4, floor_stiffness=1000.0)
+    found, plain = (load(build(each, asked)) for each in (own, hexapod))
+    ends = [found.geom(int(g)).name for g in (*found.pair_geom1, *found.pair_geom2)]
+    assert sorted(ends) == ["foot_5", "foot_6"]
+    for name in ("floor", *feet):
+        for part in ("friction", "solref", "solimp", "priority"):
+            settled = (getattr(model.geom(name), part) for model in (found, plain))
+            assert np.array_equal(*settled)
+    (said,) = changes(own, asked)
+    assert said.startswith("<contact> has pairs of 'floor', 'foot_1', 'foot_2', ...")
 
 
 def test_only_the_sensor_of_the_whole_robot_counts_what_it_touches_of_itself(
