@@ -75,8 +75,10 @@ class Lines:
 
     def __call__(self, stage: str, fraction: float) -> None:
         """Say how far a stage is, if nothing was said for a while."""
-        self._stage, now = stage, self.clock()
-        self._paces.setdefault(_name(stage), Pace(now)).report(fraction, now)
+        self._stage, name, now = stage, _name(stage), self.clock()
+        if self._paces.setdefault(name, Pace(now)).fraction >= 1 > fraction:
+            self._paces[name] = Pace(now)  # it has begun anew
+        self._paces[name].report(fraction, now)
         self.remind()
 
     def remind(self) -> None:

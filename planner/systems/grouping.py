@@ -189,9 +189,10 @@ def _late(
     waiting = set(order)
     late: list[int] = []
     for stratum in reversed(walk):
-        for j in sorted(waiting, reverse=True):  # one pass: successors come later
-            free = not any(after[k] >> j & 1 for k in waiting if k != j)
-            if strata[j] == stratum and free:
+        tick()
+        here = (j for j in sorted(waiting, reverse=True) if strata[j] == stratum)
+        for j in here:  # one pass: successors come later
+            if not any(after[k] >> j & 1 for k in waiting):
                 late.append(j)
                 waiting.remove(j)
     return tuple(reversed(late))

@@ -103,6 +103,18 @@ def test_a_stage_that_says_nothing_of_itself_is_told_as_well(capsys):
     assert all(PROGRESS.fullmatch(line) for line in lines)
 
 
+def test_a_stage_that_begins_anew_is_told_as_the_first_time(capsys):
+    seconds = [0.0]
+    tell = Lines(lambda: seconds[0])
+    for began in (0.0, 20.0):
+        for second in range(20):
+            seconds[0] = began + second
+            tell("planning", second / 100)
+        tell("planning", 1.0)
+    lines = capsys.readouterr().err.splitlines()
+    assert lines == ["planning  15%, about 85 s left", "planning  10%, about 90 s left"]
+
+
 def test_reminders_come_of_themselves_and_end(capsys, monkeypatch):
     monkeypatch.setattr(progress, "PATIENCE", 0.5)
     before, said = threading.active_count(), ""
