@@ -22,7 +22,9 @@ import numpy as np
 from models.description.table import is_plain
 from models.errors import ModelError
 from planner import Array
+from planner.support import shipped_tables
 
+SAID = shipped_tables("models.description", "refusals.toml")
 UNDECODED = re.compile("[\udc80-\udcff]")  # bytes that are not UTF-8
 COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 TAG = re.compile(r"<([A-Za-z_][\w.-]*)((?:[^<>\"']|\"[^\"]*\"|'[^']*')*)>")
@@ -46,15 +48,18 @@ WORDS = {"jnt": "joint", "tex": "texture", "cam": "camera", "mat": "material"}
 mujoco.set_mju_user_warning(lambda text: None)
 
 
+def refusal(problem: str, source: object, /, **facts: object) -> ModelError:
+    """Why a file is refused, as `refusals.toml` says it."""
+    return ModelError(str(SAID[problem]).format(source=source, **facts))
+
+
 def check_text(path: Path) -> None:
     """Refuse a number outside comments that is not finite, and text not in UTF-8."""
     text = path.read_bytes().decode(errors="surrogateescape")
     text = COMMENT.sub(lambda comment: "\n" * comment[0].count("\n"), text)
     if odd := UNDECODED.search(text):
         byte, line = ord(odd[0]) - 0xDC00, text.count("\n", 0, odd.start()) + 1
-        raise ModelError(
-            f"byte {byte:#x} is no text in UTF-8: {path}, line {line}; save it in UTF-8"
-        )
+        raise refusal("encoding", path, byte=byte, line=line)
     for tag in TAG.finditer(text):
         found = ATTRIBUTE.findall(tag[2])
         attributes = {name: html.unescape(value[1:-1]) for name, value in found}
@@ -63,10 +68,8 @@ def check_text(path: Path) -> None:
         for name, value in attributes.items():
             if name not in TEXTS and _is_bad(value):
                 line = text.count("\n", 0, tag.start()) + 1
-                raise ModelError(
-                    f"{name} of {element} is {value!r}, which is not finite: "
-                    f"{path}, line {line}; give it a number"
-                )
+                where = {"name": name, "element": element, "line": line}
+                raise refusal("not_finite", path, value=value, **where)
 
 
 def _is_bad(value: str) -> bool:
@@ -80,11 +83,11 @@ def _is_bad(value: str) -> bool:
 def check_model(model: mujoco.MjModel, source: str) -> None:
     """Refuse a compiled model with a number not finite, or solvers without end."""
     for what in _not_finite(model):
-        raise ModelError(f"{what} is not finite: {source}; give it a number")
+        raise refusal("not_finite_compiled", source, what=what)
     for name in filter(SOLVING.search, dir(model.opt)):
         if (count := getattr(model.opt, name)) > MOST_ITERATIONS:
-            what = f"{name} of <option> is {count}, and a step might not end: {source}"
-            raise ModelError(f"{what}; give it {MOST_ITERATIONS} or less")
+            most = MOST_ITERATIONS
+            raise refusal("iterations", source, name=name, count=count, most=most)
 
 
 def _not_finite(model: mujoco.MjModel) -> Iterator[str]:
@@ -109,11 +112,8 @@ def check_quaternions(spec: mujoco.MjSpec, model: mujoco.MjModel, source: str) -
             start = int(joint.qposadr[0]) + QUATERNIONS[kind]
             if not any(key.qpos[start + i] for i in range(4)):
                 body = f"body {model.body(int(joint.bodyid[0])).name!r}"
-                raise ModelError(
-                    f"keyframe {key.name!r} has a quaternion of zeros for "
-                    f"{f'joint {joint.name!r}' if joint.name else body}: {source}; "
-                    "write 1 0 0 0 for upright"
-                )
+                part = f"joint {joint.name!r}" if joint.name else body
+                raise refusal("quaternion", source, key=key.name, part=part)
 
 
 @cache
@@ -159,10 +159,7 @@ def _owner(model: mujoco.MjModel, array: str, row: int) -> str:
 def check_name(name: str, source: str) -> None:
     """Refuse a name that cannot stand wherever names are written."""
     if not is_plain(name):
-        raise ModelError(
-            f"{name!r} is no name for a part or a robot: {source}; use printable "
-            "characters, and no backslash at the end"
-        )
+        raise refusal("name", source, name=name)
 
 
 def check_names(model: mujoco.MjModel, source: str) -> None:
@@ -171,9 +168,7 @@ def check_names(model: mujoco.MjModel, source: str) -> None:
         try:
             check_name(name.decode(), source)
         except UnicodeDecodeError as error:
-            raise ModelError(
-                f"a name of it is not text, {error}: {source}; write names in UTF-8"
-            ) from error
+            raise refusal("no_text", source, error=error) from error
 
 
 ON_JOINT = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
@@ -273,10 +268,7 @@ def root_body(model: mujoco.MjModel, path: Path) -> int:
     if len(free) != 1:
         owners = [model.body(int(model.jnt_bodyid[j])).name for j in free]
         of = f", of bodies {', '.join(map(repr, owners))}" if owners else ""
-        raise ModelError(
-            f"{len(free)} free joints{of}: {path}; a walking robot has exactly one, "
-            "on its body (<freejoint/>); leave other loose things out"
-        )
+        raise refusal("free_joints", path, count=len(free), of=of)
     return int(model.jnt_bodyid[free[0]])
 
 

@@ -27,6 +27,7 @@ from models.description.compiled import (
     compile_model,
     one_line,
     read_spec,
+    refusal,
 )
 from models.errors import ModelError
 
@@ -142,27 +143,19 @@ def inspect_model(
     if taken and not allow_external:
         named = ", ".join(map(str, taken[:SHOWN]))
         more = f" and {len(taken) - SHOWN} more" if len(taken) > SHOWN else ""
-        raise ModelError(
-            f"the model opens files outside its own folder: {path}; {named}{more}; "
-            f"{remedy}"
-        )
+        raise refusal("outside", path, named=named + more, remedy=remedy)
     return Opened(tuple(sorted(files | {path})), tuple(taken))
 
 
 def _tried(path: Path) -> list[str]:
     """The files that a model opens, as the process that compiled it says."""
-    too_large = ModelError(
-        f"too large: {path}; it takes more than {SECONDS} s or "
-        f"{MEMORY // 10**9} GB to compile; leave parts out"
-    )
+    gigabytes = MEMORY // 10**9
+    too_large = refusal("large", path, seconds=SECONDS, gigabytes=gigabytes)
     # No pictures, one thread, no room set aside for others, and this code whatever
     # else is installed.
     paths = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
-    quick = {
-        "MUJOCO_GL": "disabled",
-        "OPENBLAS_NUM_THREADS": "1",
-        "MALLOC_ARENA_MAX": "1",
-    }
+    single = dict.fromkeys(("OPENBLAS_NUM_THREADS", "MALLOC_ARENA_MAX"), "1")
+    quick = {"MUJOCO_GL": "disabled", **single}
     try:
         done = subprocess.run(
             [sys.executable, "-P", "-m", __spec__.name, str(path)],
@@ -178,10 +171,7 @@ def _tried(path: Path) -> list[str]:
         raise too_large
     lines = done.stdout.decode(errors="replace").splitlines()
     if done.returncode or not lines:
-        raise ModelError(
-            f"MuJoCo's compiler crashes on it: {path}; leave parts out until it "
-            "compiles"
-        )
+        raise refusal("crash", path)
     report = json.loads(lines[-1])
     if "large" in report:
         raise too_large
@@ -192,7 +182,8 @@ def _tried(path: Path) -> list[str]:
 
 HANDY = 5 * 10**8  # bytes of a compiled model and of its states
 STATES_KEPT = 1000  # of a walk that are kept at once
-TOO_LARGE = ("Could not allocate memory", "unknown exception")  # as MuJoCo says it
+TOO_LARGE = ("Could not allocate memory", "allocation failed", "unknown exception")
+"""What MuJoCo says where memory ends."""
 
 
 def examine(path: Path) -> list[Path]:
@@ -205,10 +196,8 @@ def examine(path: Path) -> list[Path]:
     numbers = model.nsensordata + model.nuserdata + model.nq + model.nv
     size = mujoco.mj_sizeModel(model) + 8 * STATES_KEPT * numbers
     if size > HANDY:
-        raise ModelError(
-            f"too large: {path}; compiled it has, with {STATES_KEPT} states, "
-            f"{size / 1e9:.1f} GB, and {HANDY / 1e9:g} GB are the most: leave parts out"
-        )
+        facts = {"states": STATES_KEPT, "size": size / 1e9, "most": HANDY / 1e9}
+        raise refusal("large_states", path, **facts)
     with one_line(f"MuJoCo cannot run the model: {path}", "too small a <size memory>?"):
         data = mujoco.MjData(model)
         for key in [*range(model.nkey), -1]:  # -1: as the file has it
@@ -219,10 +208,7 @@ def examine(path: Path) -> list[Path]:
     named = assets(spec, model)  # compiling may drop some from a spec
     for file in sorted(named):
         if not file.is_file():
-            raise ModelError(
-                f"a file is missing: {file}, which {path} names; put it there, or "
-                "correct meshdir or texturedir"
-            )
+            raise refusal("missing", path, file=file)
     return sorted({path, *texts, *named})
 
 
