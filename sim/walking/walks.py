@@ -186,6 +186,9 @@ def walk(robot: Robot, plan: Plan, progress: Progress = silent, **changes: Any) 
         43
     """
     setup = prepare(_scenario_of(robot, plan, changes), robot)
+    if plan.system.state != setup.equations.system.state:
+        remedy = "make one of its own equations"
+        raise UsageError(f"the plan is not one of {robot.name}", "sim.walk", remedy)
     require_sound(setup, plan)
     return carry_out(Walker(setup, progress), plan)
 

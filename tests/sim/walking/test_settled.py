@@ -31,6 +31,12 @@ def test_settings_of_which_a_plan_is_made_are_refused(planned, changes):
     )
 
 
+def test_the_plan_of_another_robot_is_refused(planned):
+    _, plan = planned
+    with pytest.raises(UsageError, match="the plan is not one of quadruped: sim.walk;"):
+        walk(load("quadruped"), plan)
+
+
 @pytest.mark.physics
 def test_settings_of_the_world_and_the_drive_are_those_of_the_walk(planned):
     given = {"friction": 0.5, "swing_speed": 1.0, "servo": "ideal", "timestep": 0.002}
