@@ -22,9 +22,9 @@ import numpy as np
 from models.description.table import is_plain
 from models.errors import ModelError
 from planner import Array
-from planner.support import shipped_tables
+from planner.support import sentences
 
-SAID = shipped_tables("models.description", "refusals.toml")
+said = sentences("models.description", "refusals.toml")
 UNDECODED = re.compile("[\udc80-\udcff]")  # bytes that are not UTF-8
 COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 TAG = re.compile(r"<([A-Za-z_][\w.-]*)((?:[^<>\"']|\"[^\"]*\"|'[^']*')*)>")
@@ -50,7 +50,7 @@ mujoco.set_mju_user_warning(lambda text: None)
 
 def refusal(problem: str, source: object, /, **facts: object) -> ModelError:
     """Why a file is refused, as `refusals.toml` says it."""
-    return ModelError(str(SAID[problem]).format(source=source, **facts))
+    return ModelError(said(problem, source=source, **facts))
 
 
 def check_text(path: Path) -> None:

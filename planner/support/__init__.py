@@ -17,6 +17,7 @@ from planner.support.files import (
     read_text as read_text,
     remove_unfinished as remove_unfinished,
     require_space as require_space,
+    sentences as sentences,
     shipped_tables as shipped_tables,
     whole_file as whole_file,
 )

@@ -11,7 +11,7 @@ import os
 import shutil
 import stat
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from importlib.resources import files
 from pathlib import Path
@@ -101,6 +101,12 @@ def read_text(path: Path | str, largest: int = LARGEST_TEXT) -> str:
 def shipped_tables(package: str, name: str) -> dict[str, Any]:
     """The tables of a TOML file that lies in one of our packages."""
     return tomllib.loads((files(package) / name).read_text("utf-8"))
+
+
+def sentences(package: str, name: str) -> Callable[..., str]:
+    """Says a sentence of such a file by its key, facts put in where they belong."""
+    tables = shipped_tables(package, name)
+    return lambda key, /, **facts: str(tables[key]).format(**facts)
 
 
 def _flush(path: Path) -> None:

@@ -20,6 +20,7 @@ import numpy as np
 from planner.errors import StratumError, require_known
 from planner.numerics.arrays import Array
 from planner.numerics.collocation import STEP_NODES, follow, follow_all
+from planner.systems.fields import said
 from planner.systems.strata import StratifiedSystem
 
 
@@ -207,17 +208,13 @@ class Gait:
         for name in self.strata:
             require_known(f"stratum {name!r} of gait {self}", name, known, StratumError)
         if self.strata[0] != self.strata[-1]:
-            raise StratumError(
-                f"gait {self} does not close: it starts in S{self.strata[0]} and "
-                f"ends in S{self.strata[-1]}; end it in S{self.strata[0]} (eq. 11)"
-            )
+            ends = {"first": self.strata[0], "last": self.strata[-1]}
+            raise StratumError(said("open", gait=self, **ends))
         for a, b in pairwise(self.strata):
             if b not in (a, *self.system.neighbours[a]):
                 near = ", ".join(f"S{s}" for s in self.system.neighbours[a]) or "none"
-                raise StratumError(
-                    f"gait {self} steps from S{a} to S{b}, which are not neighbours; "
-                    f"the neighbours of S{a}: {near} (Fig. 3)"
-                )
+                step = {"here": a, "there": b, "near": near}
+                raise StratumError(said("steps", gait=self, **step))
 
     def __str__(self) -> str:
         return " -> ".join(f"S{name}" for name in self.strata)
@@ -258,8 +255,5 @@ def gait_steps(
 def places_in(cycle: Sequence[str], stratum: str) -> list[int]:
     """Places of a stratum in a gait; `StratumError` if there is none."""
     if stratum not in cycle:
-        raise StratumError(
-            f"the gait {' '.join(cycle)} does not visit S{stratum}, which is needed; "
-            "add it"
-        )
+        raise StratumError(said("unvisited", cycle=" ".join(cycle), stratum=stratum))
     return [i for i, name in enumerate(cycle) if name == stratum]

@@ -15,7 +15,7 @@ import numpy as np
 
 from planner.errors import RangeError, require_known
 from planner.numerics.arrays import Array
-from planner.systems.fields import NumericField
+from planner.systems.fields import NumericField, said
 from planner.systems.flows import Flow
 from planner.systems.strata import StratifiedSystem
 
@@ -109,9 +109,5 @@ class ShapeCoordinates:
                 f"limits of {name} are empty: {low} to {high}; give the lower one first"
             )
         if (index := self.names.index(name)) not in self.coordinates:
-            raise ValueError(
-                f"limit of {name}: some field moves it at a rate that varies, or that "
-                "is known as a function only; limit coordinates that all fields move "
-                "at constant rates"
-            )
+            raise ValueError(said("limit", name=name))
         return index

@@ -28,7 +28,13 @@ from planner.systems.declaration import (
     checked_state,
     checked_strata,
 )
-from planner.systems.fields import CompiledFields, Symbols, VectorField, compile_fields
+from planner.systems.fields import (
+    CompiledFields,
+    Symbols,
+    VectorField,
+    compile_fields,
+    said,
+)
 from planner.systems.level_sets import LevelSet
 
 
@@ -190,10 +196,7 @@ class StratifiedSystem:
         for name in (start, goal):
             require_known(f"stratum {name!r}", name, self.strata, StratumError)
         if (start, goal) not in self.switch_counts:
-            raise StratumError(
-                f"no chain of nested strata joins S{start} to S{goal}; "
-                "add the stratum that has the contacts of both"
-            )
+            raise StratumError(said("apart", start=start, goal=goal))
         return self.switch_counts[start, goal]
 
     @cached_property
@@ -217,17 +220,11 @@ class StratifiedSystem:
         for name in self.strata if len(self.strata) > 1 else ():
             clear = len(set(name)) == len(name) and ("0" not in name or name == "0")
             if not (clear or self.level_sets):
-                raise ValueError(
-                    f"stratum {name!r} has a contact for each character of its name, "
-                    "0 for none; name every contact once, or give level_sets"
-                )
+                raise ValueError(said("contacts", name=name))
         seen: dict[frozenset[str], str] = {}
         for name, contacts in self.contacts.items():
             if (other := seen.setdefault(contacts, name)) != name:
-                raise ValueError(
-                    f"strata S{other} and S{name} have the same contacts; make them "
-                    "one, or give level_sets that tell them apart"
-                )
+                raise ValueError(said("alike", other=other, name=name))
 
     def _require_tangent_fields(self, stratum: str) -> None:
         level_set = self.level_set(stratum)
@@ -239,9 +236,8 @@ class StratifiedSystem:
             rates = abs(level_set.rates(vector_field))
             if rates.any():
                 where, which = divmod(int(rates.argmax()), rates.shape[1])
-                raise ValueError(
-                    f"field {name} leaves its stratum S{stratum}: it changes "
-                    f"{level_set.functions[which]} at "
-                    f"{point(level_set.points[where])}; a field that lifts a foot "
-                    "belongs to the stratum it leads to"
-                )
+                changed = {
+                    "function": level_set.functions[which],
+                    "place": point(level_set.points[where]),
+                }
+                raise ValueError(said("leaves", name=name, stratum=stratum, **changed))

@@ -15,6 +15,7 @@ import numpy as np
 from models import SERVO_KINDS
 from models.description import actuators_of
 from planner import Array
+from planner.support import shipped_tables
 from sim.drive.feed_forward import FeedForward, carried_torque, leg_actuators
 from sim.drive.lift_counts import LiftCounts
 from sim.errors import SimulationError, UsageError
@@ -25,6 +26,7 @@ from sim.preparation.setup import Setup
 from sim.world.servos import ServoSettings, servo_settings
 
 Allowed = tuple[FeedForward | None, FeedForward | None]  # torques, practised angles
+SAID = shipped_tables("sim.drive", "refusals.toml")
 LEAST_FRICTION = 0.1  # below, feet slide whatever the servos do
 
 
@@ -84,14 +86,10 @@ class Drive:
             return
         held = self._held_torque()
         slower = 0.95 * scenario.swing_speed / share  # two digits add 5 % at most
-        raise UsageError(
-            f"each of {self._servo.rate:g} commands a second changes the torque of a "
-            f"servo of {stiffness:g} N m/rad by {share * held:.2g} N m, and friction "
-            f"holds {held:.2g} N m",
-            f"scenario {scenario.name!r}",
-            f"walk slower: --set swing_speed={slower:.2g}; or raise command_rate to "
-            f"{ceil(self._servo.rate * share)}, if the servos take as many",
-        )
+        rate, name = self._servo.rate, scenario.name
+        facts = {"jump": share * held, "held": held, "slower": slower}
+        more = {"stiffness": stiffness, "faster": ceil(rate * share)}
+        raise UsageError(*_said("gentle", rate=rate, scenario=name, **facts, **more))
 
     def _jump(self, servo: ServoSettings, stiffness: float) -> float:
         """Jump of a torque from one command to the next, as a share of what is held."""
@@ -129,14 +127,10 @@ class Drive:
             "make the robot lighter",
             *["lower swing_speed"] * bool(phase.kind == "swing" and at_rest < most),
         ]
-        raise SimulationError(
-            f"servo {name!r} would need {needed[knot, joint]:.3g} N m in a "
-            f"{phase.kind} on S{phase.stratum}, {at_rest:.3g} N m of it even at rest, "
-            f"and has {most:.3g} N m",
-            f"t = {seconds:.2f} s",
-            ", or ".join(remedies),
-            f"servo={makes[0]}" if makes else "",
-        )
+        facts = {"needed": needed[knot, joint], "at_rest": at_rest, "most": most}
+        what, where = _said("weak", joint=name, phase=phase, seconds=seconds, **facts)
+        setting = f"servo={makes[0]}" if makes else ""
+        raise SimulationError(what, where, ", or ".join(remedies), setting)
 
     def _sufficient(self, borne: Array, turned: Array) -> list[str]:
         """Makes that would walk a stretch, by torques and speeds, the weakest first."""
@@ -162,14 +156,11 @@ class Drive:
         if (lifted := speeds[self._lifts].max()) > most:
             angle = most / lifted * setup.limits.lift_angle
             slower["lift_height"] = setup.kinematics.rise(angle).min()
-        asked = (f"--set {name}={floor(1e3 * x) / 1e3:g}" for name, x in slower.items())
-        raise UsageError(
-            f"joints are to turn at up to {speeds.max():.2f} rad/s, and servos as they "
-            f"are delivered go at {most:.2f} rad/s",
-            f"servo = {self._servo.name!r}",
-            f"write {counts} into their speed register, and --set servo_data."
-            f"profile_speed={counts * kind.resolution:.2f}, or {' '.join(asked)}",
-        )
+        sets = [f"--set {name}={floor(1e3 * x) / 1e3:g}" for name, x in slower.items()]
+        facts = {"servo": self._servo.name, "counts": counts, "asked": " ".join(sets)}
+        set_to = counts * kind.resolution
+        said = _said("fast", speed=speeds.max(), most=most, set_to=set_to, **facts)
+        raise UsageError(*said)
 
     def require_reach(self, schedule: Schedule, torques: FeedForward | None) -> None:
         """Refuse predicted feed-forward that a joint's range would cut short."""
@@ -186,12 +177,8 @@ class Drive:
             return
         name = model.actuator(int(joints[joint])).name
         seconds = (schedule.start + rows[knot]) * self._setup.limits.timestep
-        raise SimulationError(
-            f"servo {name!r} would be commanded to {ctrl[knot, joint]:.3f} rad, beyond "
-            f"its range from {low[joint]:.3f} to {high[joint]:.3f} rad",
-            f"t = {seconds:.2f} s",
-            "choose stiffer servos, a lighter robot, or feed_forward = false",
-        )
+        facts = {"angle": ctrl[knot, joint], "low": low[joint], "high": high[joint]}
+        raise SimulationError(*_said("beyond", joint=name, seconds=seconds, **facts))
 
     def commands(
         self,
@@ -270,6 +257,11 @@ class Drive:
         )
         seconds = np.maximum(ahead - behind, 1) * self._setup.limits.timestep
         return (later - sooner) / seconds[:, None]
+
+
+def _said(problem: str, /, **facts: object) -> list[str]:
+    """What is wrong, where, and what to do, as `refusals.toml` says it."""
+    return [part.format(**facts) for part in SAID[problem]]
 
 
 def _needed(servo: ServoSettings, borne: Array, turned: Array) -> Array:

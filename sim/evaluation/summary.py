@@ -39,6 +39,9 @@ class Numbers(Mapping[str, Any]):
         A key without a default that is missing is a KeyError.
         """
         items = fields(cls)  # type: ignore[arg-type]
+        texts = (i.name for i in items if i.type == "str" and i.name in table)
+        for name in (name for name in texts if not isinstance(table[name], str)):
+            raise ValueError(f"{name} is {table[name]!r}, which is no text")
         required = {i.name for i in items if i.default is i.default_factory is MISSING}
         names = (i.name for i in items if i.name in table or i.name in required)
         return cls(**{name: table[name] for name in names})

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import degrees, inf, pi, radians
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import yaml
@@ -69,6 +70,10 @@ class ServoTable:
                 what = f"{joints} are both on channel {servo.channel}"
                 remedy = "give every joint a channel of its own"
                 raise UsageError(what, "the servo table", remedy)
+        most = 255 if self.frame_rate else 252  # a byte, or the ids of a bus
+        if self.channels and (servo := self.channels[-1]).channel > most:
+            what = f"joint {servo.joint!r} is on channel {servo.channel}"
+            raise UsageError(what, "the servo table", f"number them from 0 to {most}")
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -208,6 +213,15 @@ class RosLoader(yaml.SafeLoader):  # type: ignore[misc]
             raise yaml.MarkedYAMLError(None, None, "write aliases out", place)
         return super().compose_node(parent, index)
 
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> Any:
+        """A table in which no key stands twice, since the last would count."""
+        names = [str(key.value) for key, _ in node.value]
+        for place, (key, _) in enumerate(node.value):
+            if names[place] in names[:place]:
+                what = f"{names[place]!r} stands there twice"
+                raise yaml.MarkedYAMLError(None, None, what, key.start_mark)
+        return super().construct_mapping(node, deep)
+
 
 def _angle(loader: yaml.SafeLoader, node: yaml.Node) -> float:
     return float(str(loader.construct_scalar(node)))  # type: ignore[arg-type]
@@ -225,7 +239,7 @@ def read_ros_table(path: Path) -> dict[str, JointServo]:
         read = yaml.load(text, Loader=RosLoader)  # noqa: S506
     except (LookupError, AttributeError) as error:  # of a tag such as !!bool
         raise UsageError("a value not of its tag !!", str(path), REMEDY) from error
-    except (yaml.YAMLError, ValueError, RecursionError) as error:
+    except (yaml.YAMLError, ValueError, RecursionError, OverflowError) as error:
         reason = " ".join(str(error).split())
         raise UsageError(f"not YAML, {reason}", str(path), REMEDY) from error
     listed = read.get("SERVOS", read) if isinstance(read, dict) else read

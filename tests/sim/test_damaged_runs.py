@@ -187,6 +187,11 @@ DAMAGES = {
         words(lambda text: "[" * 100_000),
         "show",
     ),
+    "a summary whose verdict is no text": (
+        "summary.json",
+        words(lambda text: json.dumps(json.loads(text) | {"verdict": True})),
+        "show compare",
+    ),
     "a summary cut": ("summary.json", cut, "show export compare"),
     "phases cut": ("flows.csv", cut, f"{VIEWS} show compare"),
     "a phase without end": (

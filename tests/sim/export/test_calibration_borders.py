@@ -110,10 +110,9 @@ def test_strokes_turn_all_legs_then_raise_all_feet_and_then_each():
     assert [*meanings] == ["0 to 8 s", "to 16 s", "to 64 s"]
 
 
-def test_a_sheet_has_feet_in_rings_of_a_degree_of_their_swing(tmp_path):
+def test_a_sheet_has_feet_in_rings_of_a_degree_of_their_swing():
     robot = load("hexapod-classroom")
-    sheet(robot, tmp_path / "feet.svg")
-    text = (tmp_path / "feet.svg").read_text()
+    text = sheet(robot)
     kinematics = Kinematics(robot)
     for card, foot in zip(
         robot.card.legs.values(), kinematics.standing.feet, strict=True
