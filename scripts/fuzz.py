@@ -56,7 +56,7 @@ def answer(words: list[str], folder: str | Path, bounds: Bounds = OWN) -> str | 
     return ending(command, folder, bounds.patience).wrong
 
 
-def _tried(path: Path, limits: object) -> list[str]:
+def _tried(path: Path) -> list[str]:
     """The files that a model opens, compiled in this process."""
     report = import_module("models.description.inspection").report(path)
     if "files" not in report:

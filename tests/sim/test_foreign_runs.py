@@ -36,7 +36,7 @@ def test_files_of_another_walk_are_refused(folder, tmp_path, capsys, file):
     ("table", "key", "value", "said"),
     [
         ("weighed", "prediction", "x", "unknown prediction 'x'"),
-        ("weighed", "prediction", {}, "unknown prediction {}"),
+        ("weighed", "prediction", {}, "prediction is {}, which is no text"),
         ("achieved", "slip", 1e308, "1e+308 is not a number below 1e+09"),
     ],
 )
