@@ -201,7 +201,7 @@ class Gait:
 
     def __post_init__(self) -> None:
         known = self.system.strata
-        bare = (s if s in known else s.removeprefix("S") for s in self.strata)
+        bare = (s if s in known else str(s).removeprefix("S") for s in self.strata)
         object.__setattr__(self, "strata", tuple(bare))
         if not self.strata:
             raise StratumError("a gait visits at least one stratum, got none (eq. 11)")

@@ -70,7 +70,7 @@ class ServoTable:
                 what = f"{joints} are both on channel {servo.channel}"
                 remedy = "give every joint a channel of its own"
                 raise UsageError(what, "the servo table", remedy)
-        most = 255 if self.frame_rate else 252  # a byte, or the ids of a bus
+        most = 255 if self.frame_rate else 253  # a byte, or the ids of a bus
         if self.channels and (servo := self.channels[-1]).channel > most:
             what = f"joint {servo.joint!r} is on channel {servo.channel}"
             raise UsageError(what, "the servo table", f"number them from 0 to {most}")
@@ -215,8 +215,9 @@ class RosLoader(yaml.SafeLoader):  # type: ignore[misc]
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> Any:
         """A table in which no key stands twice, since the last would count."""
-        names = [str(key.value) for key, _ in node.value]
-        for place, (key, _) in enumerate(node.value):
+        pairs = node.value if isinstance(node, yaml.MappingNode) else []
+        names = [str(key.value) for key, _ in pairs]
+        for place, (key, _) in enumerate(pairs):
             if names[place] in names[:place]:
                 what = f"{names[place]!r} stands there twice"
                 raise yaml.MarkedYAMLError(None, None, what, key.start_mark)

@@ -161,6 +161,8 @@ class Feedback:
     def moved(self, meant: ArrayLike, seconds: float = 1.0) -> None:
         """Take note of a segment that was walked, and of the time that it took [s]."""
         meant = np.asarray(meant, dtype=float)
+        if not np.isfinite(meant).all():
+            raise ValueError(f"a step that is not finite: {meant.tolist()}; leave it out")
         step = meant + self.missing(meant)
         turn = np.zeros((*self.batch, 3, 3))
         for axis in range(2):

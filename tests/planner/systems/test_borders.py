@@ -37,6 +37,7 @@ def test_gaits_are_closed_walks_from_neighbour_to_neighbour(gait, message):
         Gait(WALKER, gait)
     assert Gait(WALKER, ("S12", "S12", "1", "12")).once_around == ("12", "12", "1")
     assert Gait(WALKER, ("12",)).once_around == ("12",)
+    assert Gait(WALKER, (12, 1, 12)).strata == ("12", "1", "12")
 
 
 def test_a_gait_is_followed_the_shorter_way_round():

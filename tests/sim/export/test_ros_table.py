@@ -64,6 +64,7 @@ def test_servos_may_stand_under_a_name_and_have_keys_of_their_own(tmp_path):
         ("[" * 5000, "not YAML"),
         (f"- {{name: a, center: 1{':59' * 200}.5}}", "not YAML"),
         ('- {name: "\\Uffffffff"}', "not YAML"),
+        ("x: !!map [a, b]", "not YAML"),
         (listed().replace("sign: -1", "sign: -1, sign: 1", 1), "'sign' stands there"),
         (listed().replace("1024", "1" + "0" * 400), "ticks must be a number"),
         (listed().replace("512", ".inf"), "center must be a number, got inf"),

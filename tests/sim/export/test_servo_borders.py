@@ -95,9 +95,9 @@ def test_two_joints_on_a_channel_are_refused():
         table(given=given)
 
 
-@pytest.mark.parametrize(("pwm", "most"), [(True, 255), (False, 252)])
+@pytest.mark.parametrize(("pwm", "most"), [(True, 255), (False, 253)])
 def test_channels_that_no_board_or_bus_has_are_refused(pwm, most):
-    """A header holds them in bytes, and a bus has other uses for 253 to 255."""
+    """A header holds them in bytes, and a bus has other uses for 254 and 255."""
     assert table(given={"other": JointServo(channel=most)}, pwm=pwm)
     with pytest.raises(UsageError, match=f"joint 'other' is on channel {most + 1}: "):
         table(given={"other": JointServo(channel=most + 1)}, pwm=pwm)

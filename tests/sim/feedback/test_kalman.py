@@ -254,3 +254,12 @@ def test_stops_are_numbered_and_below_a_thousand_million(old, new, said):
             read(changed)
     else:
         assert read(changed)[0].time == 9e8
+
+
+@pytest.mark.parametrize("step", [(np.nan, 0.0, 0.0), (0.0, np.inf, 0.0)])
+def test_a_step_that_is_not_finite_is_refused_and_changes_nothing(step):
+    feedback = Feedback(CAMERA, RADIUS, MISSES)
+    before = feedback.pose.copy()
+    with pytest.raises(ValueError, match="a step that is not finite: .*; leave it out"):
+        feedback.moved(step)
+    assert np.array_equal(feedback.pose, before)
