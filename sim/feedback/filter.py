@@ -162,7 +162,8 @@ class Feedback:
         """Take note of a segment that was walked, and of the time that it took [s]."""
         meant = np.asarray(meant, dtype=float)
         if not np.isfinite(meant).all():
-            raise ValueError(f"a step that is not finite: {meant.tolist()}; leave it out")
+            what = f"a step that is not finite: {meant.tolist()}"
+            raise ValueError(f"{what}; leave it out")
         step = meant + self.missing(meant)
         turn = np.zeros((*self.batch, 3, 3))
         for axis in range(2):
