@@ -16,16 +16,16 @@ from models.description.card import LegCard
 from models.description.compiled import joints_above, root_body
 from models.description.robot import Robot
 from models.errors import ModelError
-from planner.support import did_you_mean, shipped_tables
+from planner.support import did_you_mean, sentences
 
 FARTHEST = 1e6  # [m] from the origin or frame; beyond, numbers lose millimetres
 Problem = tuple[str, dict[str, object]]  # its sentence, and facts that are in it
-SAID = shipped_tables("models", "checks.toml")
+said = sentences("models", "checks.toml")
 
 
 def _wrong(problem: str, path: object, /, **facts: object) -> ModelError:
     """The refusal of a robot's file for a problem."""
-    return ModelError(str(SAID[problem]).format(path=path, **facts))
+    return ModelError(said(problem, path=path, **facts))
 
 
 def check_parts(robot: Robot) -> None:

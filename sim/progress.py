@@ -46,7 +46,9 @@ class Pace:
         self._reports = [(0.0, now)]
 
     def report(self, fraction: float, now: float) -> None:
-        """Note how far the stage is."""
+        """Note how far the stage is, which may begin anew once it has ended."""
+        if self.fraction >= 1 > fraction:
+            self.began, self.fraction, self._reports = now, 0.0, [(0.0, now)]
         if fraction > self.fraction:
             self.fraction = fraction
             self._reports.append((fraction, now))
@@ -75,10 +77,8 @@ class Lines:
 
     def __call__(self, stage: str, fraction: float) -> None:
         """Say how far a stage is, if nothing was said for a while."""
-        self._stage, name, now = stage, _name(stage), self.clock()
-        if self._paces.setdefault(name, Pace(now)).fraction >= 1 > fraction:
-            self._paces[name] = Pace(now)  # it has begun anew
-        self._paces[name].report(fraction, now)
+        self._stage, now = stage, self.clock()
+        self._paces.setdefault(_name(stage), Pace(now)).report(fraction, now)
         self.remind()
 
     def remind(self) -> None:

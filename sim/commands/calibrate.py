@@ -28,12 +28,12 @@ from sim.endings import again, command, keeping, way_on
 from sim.errors import RenderError, UsageError, printable
 from sim.export.calibration import card_with, draw, joint_servo, marks, sheet, strokes
 from sim.export.header import write_header
-from sim.export.servo_table import servo_table
+from sim.export.servo_table import BUS_NUMBERS, servo_table
 from sim.export.source import write_table
 from sim.folder import RunFolder, ensure_folder, whole
 from sim.templates import render
 
-BOARD_CHANNELS, BUS_NUMBERS = range(16), range(1, 254)
+BOARD_CHANNELS = range(16)
 MEGAHERTZ = 1e6  # [Hz]
 JOG = 20  # counts
 NONE = "-"

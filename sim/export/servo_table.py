@@ -28,6 +28,7 @@ FRAMES = (24.0, 1526.0)  # that a PCA9685 can give in a second
 TURN = 4096  # ticks of a Dynamixel in a turn, where nothing else is given
 NEAR = 1e-9  # [rad]; beyond a limit, for rounding
 PWM = SERVO_KINDS["mg90"]  # where no servo is named
+BUS_NUMBERS = range(1, 254)  # ids of servos; a bus has other uses for 254 and 255
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +71,7 @@ class ServoTable:
                 what = f"{joints} are both on channel {servo.channel}"
                 remedy = "give every joint a channel of its own"
                 raise UsageError(what, "the servo table", remedy)
-        most = 255 if self.frame_rate else 253  # a byte, or the ids of a bus
+        most = 255 if self.frame_rate else BUS_NUMBERS[-1]  # 255: a byte of a header
         if self.channels and (servo := self.channels[-1]).channel > most:
             what = f"joint {servo.joint!r} is on channel {servo.channel}"
             raise UsageError(what, "the servo table", f"number them from 0 to {most}")

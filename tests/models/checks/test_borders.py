@@ -151,7 +151,8 @@ def test_the_gravest_problem_is_told_first(monkeypatch):
     for name in ("_badly_standing", "_cannot_swing", "_cannot_lift"):
         monkeypatch.setattr(checks, name, lambda kinematics, name=name: [(name, {})])
     monkeypatch.setattr(checks, "Kinematics", lambda robot: None)
-    monkeypatch.setattr(checks, "SAID", {"_badly_standing": "it lies", "_cannot": ""})
+    told = {"_badly_standing": "it lies"}
+    monkeypatch.setattr(checks, "said", lambda key, **facts: told[key])
     with pytest.raises(ModelError, match="^it lies$"):
         checks.check_posture(SimpleNamespace(path="here"))
 

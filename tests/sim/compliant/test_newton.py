@@ -8,40 +8,19 @@ import pytest
 from sim.compliant.equilibrium import (
     CREEP,
     EASE,
-    Contact,
     _compliance,
     _derivatives,
-    _Law,
     _step,
     blocks,
     motion,
     torque_of,
 )
-
-B, F, K, J = 3, 2, 2, 3  # lanes, feet, points, joints
-
-
-SCALE = (0.3, 0.2)
+from tests.equilibria import SCALE, B, F, J, K, drawn_contact, law_of
 
 
 @pytest.fixture
 def contact():
-    """A problem whose numbers are drawn, as large as those of small robots."""
-    rng = np.random.default_rng(8)
-    lever = rng.normal(size=(B, F, 3 * K, J))
-    root = rng.normal(size=(B, 6, 6))
-    return Contact(
-        reach=rng.normal(size=(B, F, 3 * K, 6)),
-        lever=lever,
-        yield_=rng.uniform(1e-3, 3e-3, (B, F, J)),
-        drift=rng.normal(size=(B, F, 3 * K)) * 1e-3,
-        gap=rng.normal(size=(B, F, K)) * 1e-3,
-        floor=rng.uniform(1e-4, 2e-4, (B, F, K)),
-        friction=rng.uniform(0.3, 0.8, (B, F, K)),
-        wrench=rng.normal(size=(B, 6)),
-        inertia=root @ np.swapaxes(root, 1, 2),
-        push=rng.uniform(0.0, 0.3, (B, F, K)),
-    )
+    return drawn_contact()
 
 
 @pytest.fixture
@@ -50,10 +29,6 @@ def guess():
     force = rng.normal(size=(B, F, K, 3))
     force[..., 2] = np.abs(force[..., 2])
     return rng.normal(size=(B, 6)) * 1e-3, force
-
-
-def law_of(contact):
-    return _Law.of(contact, _compliance(contact, contact.yield_), SCALE)
 
 
 def wrong(contact, twist, force, u):

@@ -1,6 +1,7 @@
 """Files for servos: what is read back differs by half a count at most."""
 
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from models.description.makes import SERVO_KINDS
 from models.description.servos import JointServo
 from models.library import load
 from sim.errors import UsageError
+from sim.export import source
 from sim.export.header import identifier, read_header, write_header
 from sim.export.servo_commands import ServoCommands
 from sim.export.servo_table import Channel, ServoTable, servo_table
@@ -196,3 +198,26 @@ def test_a_pulse_is_at_least_nothing_and_shorter_than_its_frame(unit, longest):
     for beyond in (-1, longest + 1):
         with pytest.raises(UsageError):
             counts(beyond)
+
+
+@pytest.mark.parametrize(
+    ("limited", "most", "refused"),
+    [(False, 6.2, False), (False, 99.0, True), (True, 0.9, False), (True, 2.0, True)],
+)
+def test_commands_far_beyond_what_a_joint_turns_are_refused(
+    monkeypatch, limited, most, refused
+):
+    """Beyond its range by more than it lags behind, or beyond all turns without one."""
+    found = SimpleNamespace(angles=np.array([[-most], [most]]))
+    monkeypatch.setattr(source, "taken", lambda *given: found)
+    joint = SimpleNamespace(range=np.array([-0.5, 0.5]), limited=limited)
+    run = SimpleNamespace(commands={"ctrl": None}, folder="walk")
+    own = SimpleNamespace(
+        run=run, joints=("j",), actuators=None, servo=SimpleNamespace(rate=50.0),
+        timestep=0.001, model=SimpleNamespace(joint=lambda name: joint),
+    )  # fmt: skip
+    if not refused:
+        assert source.Source.commands(own, 50.0) is found
+        return
+    with pytest.raises(UsageError, match=f"'j' is commanded from -{most:.3g} to"):
+        source.Source.commands(own, 50.0)

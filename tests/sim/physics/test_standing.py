@@ -34,3 +34,15 @@ def test_a_lift_servo_that_is_too_soft_bears_what_the_engine_says(scenario):
         torque = abs(float(data.actuator(f"lift_{leg}").force[0]))
         assert f"joint 'lift_{leg}' bears {torque:.3g} N m" in what
     assert leg == 6
+
+
+def test_of_several_legs_in_the_air_the_first_is_named(scenario):
+    setup = prepare(scenario())
+    data = mujoco.MjData(setup.model)
+    mujoco.mj_resetDataKeyframe(setup.model, data, setup.model.key("start").id)
+    data.qpos[2] -= 1e-4  # the weight is on the floor
+    for leg in (5, 2):
+        data.joint(f"lift_{leg}").qpos += setup.robot.raise_sign[leg - 1] * 0.3
+    mujoco.mj_forward(setup.model, data)
+    ((what, _),) = _Standing(setup.robot, setup.model, data).aloft()
+    assert what.startswith("the foot of leg 2 touches nothing")

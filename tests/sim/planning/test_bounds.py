@@ -216,6 +216,12 @@ def test_a_passage_is_walked_through_clear_of_its_walls(passage, replan):
     assert min(engine_clearances(setup)) > 0.002 - 1e-6
 
 
+def test_a_plan_may_have_to_stay_clear_by_nothing_at_all(passage):
+    coarse = prepare(passage(0.012, way=0.01, min_clearance=0.0))
+    setup, _ = within_bounds(coarse)
+    assert min(engine_clearances(coarse)) < 0 < min(engine_clearances(setup)) + 1e-6
+
+
 def test_a_plan_may_be_left_to_hit(passage):
     setup = prepare(passage(0.012, min_clearance=-1))
     assert within_bounds(setup)[0] is setup
