@@ -34,6 +34,7 @@ from planner.systems.strata import StratifiedSystem
 
 CONTRACTED = 0.5  # part of a step that a plan may leave
 SHORTEST, LONGEST = 1e-9, 1e3  # steps that are tried, in the metric
+GRAINS = 1e5  # that a step spans at least; a grain is what rounding leaves of a place
 COARSEST, COARSE, FINE = 64.0, 2.0, 1.02  # ratios of successive steps
 NOTABLE = 0.05  # part left, from which on steps are tried closely
 NEARLY = 0.4  # part left at a maximum that may lie higher between the steps tried
@@ -132,8 +133,8 @@ def least_critical_step(
     size = tangent.shape[1]
     drawn = random.normal(size=(RAYS * size, size))
     drawn = np.concatenate([np.eye(size), -np.eye(size), drawn])
-    low = SHORTEST
-    for found in _scale(SHORTEST, LONGEST, COARSEST).tolist():
+    low = steps.shortest
+    for found in _scale(low, LONGEST, COARSEST).tolist():
         left = steps.left(found * rays(drawn[::SPARSE]))
         if left.max() > CONTRACTED:
             left = steps.left(found * rays(drawn))
@@ -146,7 +147,7 @@ def least_critical_step(
         found = steps.failing(rays(best), low, found)[1]
         left = steps.left(found / (1.0 + WIDEST**2) * rays(drawn))
     width = WIDEST
-    while width > NARROWEST and found > SHORTEST:
+    while width > NARROWEST and found > steps.shortest:
         best = best / np.linalg.norm(best)
         drawn = best + width * random.normal(size=(TRIED, size)) / np.sqrt(size)
         shorter = found / (1.0 + width**2)
@@ -173,15 +174,17 @@ class _Steps:
         self.start = stay(0.0)
         self.extended = extend_along(system, None, stay)
         self.system = self.extended.system
+        grain = self.system.length(np.spacing(sample(stay, self.system, 1, 2)[0, 0]))
+        self.shortest = max(SHORTEST, GRAINS * float(grain))
         orders = CHOICES[execution.coordinates if execution else "backward"][0]
         self.order = "backward" if orders[0] == "alternating" else orders[0]
 
     def critical(self, ray: Array, longest: float) -> float:
         """The critical step along a ray of length one, up to a longest step."""
-        if longest <= SHORTEST:  # shorter than what rounding leaves
+        if longest <= self.shortest:
             return inf
         left: Left = lambda lengths: self.left(lengths[:, None] * ray)  # noqa: E731
-        steps, parts = _until_failure(left, _scale(SHORTEST, longest, COARSE), FEW)
+        steps, parts = _until_failure(left, _scale(self.shortest, longest, COARSE), FEW)
         failed = parts[-1] > CONTRACTED
         if len(steps) == 1 and failed:
             return 0.0

@@ -29,6 +29,7 @@ from planner.systems.strata import StratifiedSystem
 CHOICE_NODES = 7  # configurations of a path at which chosen elements must span
 MOST_SEGMENTS = 100_000  # of one plan; so many take a minute and a gigabyte
 OFF_BOTTOM = 1e-6  # by which a path may miss the level sets, in their unit
+ROUNDED_OFF = 1e-9  # length that rounding may take from each step of a path
 TAIL = 1e-3  # part of inputs in the last terms of their series that needs a check
 NEARLY_SINGULAR = 1e-6  # least singular value over the largest; plans are played
 USELESS = 0.9  # part of the way that is missed by a plan of no use
@@ -77,8 +78,8 @@ def default_nodes(segments: int) -> int:
 def sample(path: Path, system: StratifiedSystem, segments: int, nodes: int) -> Array:
     """Configurations at the nodes of each segment, shape (segments, nodes, n).
 
-    A path that does not match the state, is not finite, or leaves the bottom stratum is
-    refused.
+    A path that does not match the state, is not finite, is too far away for the
+    precision of floats, or leaves the bottom stratum is refused.
     """
     cuts = grid(path, segments)
     inner = cuts[:-1, None] + np.diff(cuts)[:, None] * collocation(nodes).nodes[:-1]
@@ -92,6 +93,12 @@ def sample(path: Path, system: StratifiedSystem, segments: int, nodes: int) -> A
     finite = np.isfinite(values).all(axis=1)
     if not finite.all():
         raise ValueError(f"path is not finite at s = {parameters[~finite][0]:.6g}")
+    lost = (np.spacing(np.abs(values)) * system.weights).max(axis=1)
+    if lost.max() > ROUNDED_OFF:
+        raise ValueError(
+            f"path is at {point(values[lost.argmax()])}, where steps of "
+            f"{lost.max():.1g} are lost to rounding; measure from a nearer origin"
+        )
     bottom = system.level_set(system.bottom)
     missed = np.abs(bottom.value(values)) if bottom.functions else np.zeros((1, 1))
     if missed.max() > OFF_BOTTOM:

@@ -180,6 +180,12 @@ def test_numeric_fields_are_steered_as_symbolic_ones(paper):
         (lambda s: [s, s, 0], 1, r"path returns shape \(3,\), expected \(5,\): x, y"),
         (lambda s: [s, s, 0, 0, np.nan], 1, "path is not finite at s = 0"),
         ([0, 1], 1, r"path is \[0, 1\]; give a function"),
+        (
+            lambda s: [1e16 + s, s, 0, 0, 0],
+            4,
+            r"path is at \(1e\+16, 0, 0, 0, 0\), where steps of 2 are lost to "
+            "rounding; measure from a nearer origin",
+        ),
     ],
 )
 def test_unsound_requests_are_refused(paper, path, segments, message):

@@ -30,6 +30,7 @@ def known(part, exact=False):
 
     class Known(_Steps):
         _is_exact = exact
+        shortest = SHORTEST
 
         def __init__(self):
             self.tried = []
@@ -168,6 +169,8 @@ def least(part, dimension, monkeypatch):
     plain = StratifiedSystem(" ".join(names), {"0": fields}, "0")
 
     class Known(_Steps):
+        shortest = SHORTEST
+
         def __init__(self, system, at, execution):
             self.system, self.start = plain, np.asarray(at, dtype=float)
 

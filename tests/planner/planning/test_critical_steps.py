@@ -129,6 +129,25 @@ def test_unicycle_is_critical_where_its_rectangle_errs_by_half():
     assert miss / critical == pytest.approx(0.5, abs=1e-3)
 
 
+@pytest.mark.parametrize("away", [1e3, -1e4, 1e6, 8e6])
+def test_critical_steps_do_not_depend_on_where_the_plane_is_measured_from(away):
+    # 4e-6 measured: the search's steps of 1e-6, and the rounding of coordinates
+    unicycle = shipped_system("unicycle").system
+    places = ((0.0, 0.0, 0.0), (away, 0.0, 0.0))
+    critical = [critical_step(unicycle, at, (0, 1, 0)) for at in places]
+    least = [least_critical_step(unicycle, at) for at in places]
+    assert critical[1] == pytest.approx(critical[0], rel=1e-5)
+    assert least[1] == pytest.approx(least[0], rel=1e-4)
+
+
+def test_where_steps_are_lost_to_rounding_none_is_sought():
+    unicycle = shipped_system("unicycle").system
+    with pytest.raises(
+        ValueError, match=r"path is at \(1e\+300, 0, 0\), where steps of"
+    ):
+        least_critical_step(unicycle, (1e300, 0, 0))
+
+
 def test_steps_beyond_a_length_are_not_tried():
     problem = shipped_system("unicycle")
     critical = critical_step(problem.system, np.zeros(3), [0, 1, 0])
