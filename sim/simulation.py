@@ -21,7 +21,7 @@ from sim.evaluation.assessment import Evaluation, evaluate, summarise
 from sim.evaluation.quantities import describe
 from sim.evaluation.summary import Summary
 from sim.logs.log import Gait, Log, of_function, read_log, require_joints
-from sim.logs.playing import scenario_of
+from sim.logs.playing import scenario_of, within_reach
 from sim.motion.poses import wrap
 from sim.preparation.scheduling import check_effort
 from sim.preparation.setup import GoalOffset, Setup, prepare
@@ -210,7 +210,9 @@ def play(
         except ValueError as error:
             raise UsageError.at("the gait", error) from error
     scenario = scenario_of(robot, file, changes)
-    return simulate(scenario, robot=robot, progress=progress, log=motion)
+    return simulate(
+        scenario, robot=robot, progress=progress, log=within_reach(motion, robot)
+    )
 
 
 def _prepared(setup: Setup, problem: ScenarioProblem | None) -> Prepared:

@@ -227,9 +227,12 @@ def main(path: str) -> None:
     """Try a model within limits of time and memory; print the report."""
     import resource  # not on every system
 
-    resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
-    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    wanted = {"RLIMIT_CPU": SECONDS, "RLIMIT_AS": MEMORY, "RLIMIT_CORE": 0}
+    for name, most in wanted.items():
+        kind = getattr(resource, name)
+        _, hard = resource.getrlimit(kind)  # -1 where there is none
+        most = most if hard == resource.RLIM_INFINITY else min(most, hard)
+        resource.setrlimit(kind, (most, most))
     print("", json.dumps(report(Path(path))), sep="\n", flush=True)
 
 

@@ -14,7 +14,7 @@ from sim import palette
 from sim.commands import options as cli
 from sim.endings import command, keeping
 from sim.errors import UsageError
-from sim.folder import RunFolder, blamed_on, claim, ensure_folder, new_file, whole
+from sim.folder import RunFolder, blamed_on, claim, new_file, whole
 from sim.progress import bar
 from sim.reports import comparison
 from sim.reports.tables import Table
@@ -34,9 +34,9 @@ def compare(options: argparse.Namespace) -> None:
         two = f"write {command('compare', *newest)}" if newest[1:] else ""
         remedy = two or "give two or more, or stratawalk show RUN"
         raise UsageError(what, options.runs[0], remedy)
-    if options.out is not None and Path(options.out).suffix not in (".html", ".htm"):
-        where = f"--out {options.out}"
-        raise UsageError("not a page's name", where, "give a name in .html")
+    path = (
+        None if options.out is None else new_file(Path(options.out), "page", *cli.PAGES)
+    )
     runs = []
     with bar(quiet=options.json) as progress:
         for number, folder in enumerate(map(Path, options.runs), start=1):
@@ -45,12 +45,10 @@ def compare(options: argparse.Namespace) -> None:
                 comparison.compare([runs[-1], runs[-1]])
             progress("reading", number / len(options.runs))
         compared = comparison.compare(runs)
-        if options.out is not None:
+        if path is not None:
             with blamed_on(runs[0].folder):
                 text = comparison.page(compared, progress)
-            path = Path(options.out)
-            shelf = RunFolder(ensure_folder(path.parent, "page's folder"))
-            shelf.write_text(path.name, text)
+            RunFolder(path.parent).write_text(path.name, text)
     tables = {"settings": compared.differences, "results": compared.results}
     tables |= {"drift": compared.drift, "left": compared.left}
     facts = {  # a row a run, in the order given
@@ -61,8 +59,8 @@ def compare(options: argparse.Namespace) -> None:
         for key, table in tables.items()
     }
     lines = [_text(t) for key, t in tables.items() if t.rows or key == "settings"]
-    if options.out is not None:
-        lines.append(f"{'page':13}{options.out}")
+    if path is not None:
+        lines.append(f"{'page':13}{path}")
     cli.report(options, facts | {"page": options.out}, "\n\n".join(lines))
 
 

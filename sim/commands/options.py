@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from sim.logs.log import Log, Readers
     from sim.scenarios.scenario import Scenario
 
+PAGES = (".html", ".htm")
 FAR = 5.0  # [m], 20 times the reach of shipped robots; others may mean millimetres
 
 

@@ -31,7 +31,6 @@ from sim.templates import render
 
 PRINTED = 5  # reasons of failed points, at most
 MOST_DESIGNS = 10**6  # some 7 hours; 8 legs have 144,088, 12 legs 259 million
-PAGES = (".html", ".htm")
 
 
 def sweep(options: argparse.Namespace) -> ExitCode:
@@ -111,12 +110,12 @@ def study(options: argparse.Namespace) -> None:
     given = Path(options.table)
     beside = (given if given.is_dir() else given.parent) / "maps"
     out = cli.folder_of(options) or beside
-    paged = out.suffix in PAGES
+    paged = out.suffix in cli.PAGES
     if out.suffix[1:].isalpha() and not paged and not out.is_dir():
         raise UsageError("neither folder nor page", str(out), "end it with .html")
     asked = prediction_key(options.prediction) if options.prediction else ""
     results = read_results(given, asked)
-    folder = ensure_folder(out.parent if paged else out)
+    folder = new_file(out, "page", *cli.PAGES).parent if paged else ensure_folder(out)
     remedy = "give the table that a sweep has written"
     with cli.working(options, "drawing maps"), blamed_on(given, remedy):
         found = findings(results)

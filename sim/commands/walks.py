@@ -128,7 +128,7 @@ def _can_film(wanted: bool | None) -> bool:
 
 def play(options: argparse.Namespace) -> ExitCode:
     """Play the motion and print how it went."""
-    from sim.logs.playing import scenario_of
+    from sim.logs.playing import scenario_of, within_reach
 
     robot = cli.robot_of(options, options.robot)
     files = [Path(name) for name in options.files]
@@ -136,7 +136,7 @@ def play(options: argparse.Namespace) -> ExitCode:
     read = cli.reader_of(options, robot, scenario)
     logs = [read(file) for file in files]
     try:
-        log = together(logs)
+        log = within_reach(together(logs), robot)
         log = log.repeated(options.repeat) if options.repeat > 1 else log
     except ValueError as error:
         raise UsageError.at(str(files[0]), error) from error

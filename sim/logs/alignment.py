@@ -87,6 +87,11 @@ def measured(log: Log, time: Array, predicted: Array) -> Measured | None:
     done: list[str] = []
     if missing := np.count_nonzero(~np.isfinite(log.pose[:, 0])):
         done.append(f"poses are interpolated in rows that have none, {missing} in all")
+        last = log.time[np.isfinite(log.pose[:, 0])][-1]
+        if last < log.time[-1]:
+            done.append(
+                f"no pose was measured after {last:.4g} s, and that one is held"
+            )
     pose = _finite(time, log.time, log.pose)
     if not np.isfinite(pose[:, 2]).all():
         pose[:, 2] = predicted[:, 2]

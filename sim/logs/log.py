@@ -212,6 +212,8 @@ def _log(
             raise ValueError(f"{what}, at {start[row]:.4g} s; {remedy}")
         if (np.abs(numbers) > LARGEST).any():
             raise ValueError(f"a number beyond {LARGEST:g} in column {name!r}")
+        if name in BODY["spread"] and (numbers < 0).any():
+            raise ValueError(f"a negative standard error in column {name!r}")
         if name in contacts.values() and not {*numbers[numbers == numbers]} <= {0, 1}:
             raise ValueError(f"column {name!r} has numbers other than 0 and 1")
     if ("body.x" in columns) != ("body.y" in columns):
@@ -235,7 +237,9 @@ def _check_time(time: Array) -> None:
     if (back := np.diff(time) < SHORTEST_STEP).any():
         row = int(back.argmax())
         moments = f"from {time[row]:.9g} s to {time[row + 1]:.9g} s in row {row + 2}"
-        raise ValueError(f"time goes {moments}; sort the rows, one for each time")
+        raise ValueError(
+            f"time goes {moments}; sort them, {SHORTEST_STEP:g} s apart at least"
+        )
     if not SHORTEST_LOG <= (length := time[-1] - time[0]) <= LONGEST_LOG:
         most = f"give {SHORTEST_LOG:g} to {LONGEST_LOG:g} s; times are in seconds"
         raise ValueError(f"it lasts {length:.6g} s; {most}")

@@ -27,6 +27,7 @@ from sim.scenarios.scenario import Scenario
 
 LOOKS_APART = 0.005  # [s] between moments at which feet are looked at
 MOST_LOOKS = 20_000  # of these moments
+BEYOND = 1e-3  # [rad] beyond a joint's range that is told
 SHORTEST_CONTACT = 0.02  # [s] of a contact, or of its interruption, that is planned
 
 
@@ -172,6 +173,23 @@ def rigid(
         margin=margin,
         contact=contact,
     )
+
+
+def within_reach(log: Log, robot: Robot) -> Log:
+    """The log, and in `done` which joint it commands farthest beyond its range."""
+    ends = np.array([robot.span(joint) for joint in log.joints]).T
+    low, high = np.where(np.abs(ends) < np.pi, ends, np.inf * ends)  # or no end at all
+    beyond = np.maximum(low - log.commanded, log.commanded - high)
+    row, joint = np.unravel_index(beyond.argmax(), beyond.shape)
+    if beyond[row, joint] <= BEYOND:
+        return log
+    angle, moment = log.commanded[row, joint], log.time[row]
+    line = (
+        f"{log.joints[joint]} is commanded to {angle:.4g} rad at {moment:.4g} s and "
+        f"stops at the end of its range, {low[joint]:.4g} to {high[joint]:.4g} rad; "
+        "give --units where these are no radians"
+    )
+    return replace(log, done=(*log.done, line))
 
 
 def posed(robot: Robot, log: Log) -> Robot:

@@ -3,6 +3,8 @@
 import os
 import re
 import resource
+import subprocess
+import sys
 
 import pytest
 
@@ -177,6 +179,20 @@ def test_memory_is_limited(robot, alone):
     field = '<hfield name="h" nrow="18000" ncol="18000" size="1 1 1 1"/>'
     with pytest.raises(ModelError, match="too large: .*more than 8 s or 2 GB"):
         inspect_model(robot(f"<asset>{field}</asset>"))
+
+
+def test_limits_of_the_session_that_are_lower_are_kept(robot):
+    """A session may have less than a trial may take, and most models need little."""
+    limited = "import resource, sys; from models.description import inspection\n"
+    limited += "resource.setrlimit(resource.RLIMIT_AS, (1_500_000_000,) * 2)\n"
+    limited += "resource.setrlimit(resource.RLIMIT_CPU, (6, 7))\n"
+    limited += "inspection.main(sys.argv[1])\n"
+    limited += (
+        "print(*map(resource.getrlimit, (resource.RLIMIT_AS, resource.RLIMIT_CPU)))"
+    )
+    words = [sys.executable, "-c", limited, str(robot(""))]
+    done = subprocess.run(words, capture_output=True, text=True)
+    assert done.stdout.splitlines()[-1] == f"{(1_500_000_000,) * 2} (7, 7)"
 
 
 def test_text_in_another_encoding_is_refused_by_its_line(robot, alone):

@@ -55,6 +55,15 @@ def test_gaps_are_bridged_and_a_yaw_that_nobody_measured_is_the_predictions():
     )
 
 
+@pytest.mark.parametrize("seen", [1, 7, len(TIME) - 1, len(TIME)])
+def test_a_pose_that_is_held_because_no_later_one_was_measured_is_told(seen):
+    lost = WAY.copy()
+    lost[seen:] = np.nan
+    done = measured(log(lost), TIME, WAY).done
+    held = f"no pose was measured after {TIME[seen - 1]:.4g} s, and that one is held"
+    assert (held in done) == (seen < len(TIME))
+
+
 def test_trials_become_their_mean_and_its_standard_error():
     offsets = np.array([-0.01, 0.0, 0.01])
     logs = [

@@ -70,11 +70,18 @@ def test_what_was_done_to_a_log_is_said(read):
     [
         ("", "no column 'time': .*; begin with a line of names"),
         ("time,hip_1\n0,0\n", "fewer than two rows of numbers: .*; give two at"),
-        ("time,hip_1\n0,0\n0,1\n", "time goes from 0 s to 0 s in row 2: .*; sort"),
+        (
+            "time,hip_1\n0,0\n0,1\n",
+            "time goes from 0 s to 0 s in row 2: .*; sort them, 1e-06 s apart at least",
+        ),
         ("time,hip_1\n0,0\n,1\n", "no time in row 2"),
         ("time,hip_1\n0,0\n1e9,1\n", r"lasts 1e\+09 s: .*; give 0.01 to 600 s"),
         ("time,hip_1\n0,0\n1e-3,1\n", "lasts 0.001 s: .*; give 0.01 to 600 s"),
         ("time,hip_1\n0,0\n1e-9,1\n9,1\n", "from 0 s to 1e-09 s in row 2: .*; sort"),
+        (
+            "time,hip_1,body.x,body.y,body.x.error\n0,0,0,0,1e-3\n1,1,1,0,-1e-9\n",
+            "a negative standard error in column 'body.x.error'",
+        ),
         ("time,hip_1,body.x,body.y\n0,0,0,0\n1,1,1,1e308\n", "beyond 1e.06 in .*y'"),
         (
             "time,hip_1,body.x,body.y\n0,0,0,0\n1,1,-2e6,0\n",

@@ -14,7 +14,7 @@ from sim.evaluation.quantities import describe
 from sim.logs import feet
 from sim.logs.feet import posture
 from sim.logs.log import Log, of_function, read_log, written
-from sim.logs.playing import SHORTEST_CONTACT, Motion, posed, scenario_of
+from sim.logs.playing import SHORTEST_CONTACT, Motion, posed, scenario_of, within_reach
 from sim.motion.schedule import MotionLimits
 from sim.palette import PREDICTED
 from sim.pictures.legend import entries
@@ -149,6 +149,25 @@ def test_a_run_of_a_motion_is_walked_again_from_its_scenario(played, tmp_path):
     np.testing.assert_array_equal(
         prepare(scenario).motion.log.commanded, again.commanded
     )
+
+
+@pytest.mark.parametrize("beyond", [-0.002, 0.0009, 0.0011, 5.0])
+def test_the_joint_that_is_commanded_farthest_beyond_its_range_is_told(beyond):
+    robot = load("hexapod")
+    low, high = robot.span("swing_2")
+    asked = {"swing_1": lambda t: 0.2 * t, "swing_2": lambda t: (low - beyond) * t}
+    log = of_function(lambda t: {j: angle(t) for j, angle in asked.items()}, 1.0)
+    told = within_reach(log, robot).done
+    stops = f"stops at the end of its range, {low:.4g} to {high:.4g} rad"
+    line = f"swing_2 is commanded to {low - beyond:.4g} rad at 1 s and {stops}; give "
+    assert [*told] == [line + "--units where these are no radians"] * (beyond > 1e-3)
+
+
+def test_a_joint_without_limits_has_none_to_be_beyond():
+    loose = SimpleNamespace(span=lambda joint: (-np.pi, np.pi))
+    log = of_function(lambda t: {"swing_1": 9.0 * t}, 1.0)
+    assert within_reach(log, load("hexapod")).done
+    assert within_reach(log, loose) is log
 
 
 def test_a_short_contact_is_no_planned_one(log):

@@ -128,9 +128,17 @@ def test_the_page_is_seen_by_a_browser(runs, tmp_path, capsys):
 
 
 def test_what_cannot_be_compared_is_refused(runs, tmp_path, capsys):
-    for words in ([runs[0]], [runs[0], tmp_path], [*runs, "--out", "page.pdf"]):
+    mine = tmp_path / "mine.html"
+    mine.write_text("notes")
+    for words, said in (
+        ([runs[0]], "a single run cannot be compared"),
+        ([runs[0], tmp_path], "not a finished run"),
+        ([*runs, "--out", "page.pdf"], "not a page's name: page.pdf; give a name in"),
+        ([*runs, "--out", mine], f"already exists: {mine}; give another name"),
+    ):
         assert main(["compare", *map(str, words)]) == 2
-    assert capsys.readouterr().err.count("\n") == 3
+        assert said in capsys.readouterr().err
+    assert mine.read_text() == "notes"
 
 
 def test_what_differs_by_little_has_a_digit_more(walked):

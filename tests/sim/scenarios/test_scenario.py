@@ -201,7 +201,7 @@ def test_override_without_key_or_value_is_refused(text):
         ("fields", "papper", "lifted or paper"),
         ("replan", "yes", "true or false"),
         ("robot", "", "text"),
-        ("name", "../up", "a name without slashes"),
+        ("name", "../up", "text in quotation marks, without slashes"),
     ],
 )
 def test_impossible_value_is_refused_with_key_value_and_limits(key, value, allowed):

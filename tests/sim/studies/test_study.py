@@ -106,6 +106,8 @@ def test_the_page_has_the_classes_of_the_terminal_and_the_verdicts(
     assert main(["study", str(folder), "--out", str(out)]) == 0
     assert capsys.readouterr().out.splitlines()[:8] == shown
     page = out.read_text()
+    assert main(["study", str(folder), "--out", str(out)]) == 2
+    assert f"already exists: {out}; give another name" in capsys.readouterr().err
     assert "Verdicts: arrived 4, fell 1." in page
     assert "<td>within 1 %</td><td>1</td>" in page
     assert page.count("<td>arrived</td>") == 4
