@@ -20,12 +20,12 @@ from planner.support import did_you_mean, sentences
 
 FARTHEST = 1e6  # [m] from the origin or frame; beyond, numbers lose millimetres
 Problem = tuple[str, dict[str, object]]  # its sentence, and facts that are in it
-said = sentences("models", "checks.toml")
+message = sentences("models", "checks.toml")
 
 
 def _wrong(problem: str, path: object, /, **facts: object) -> ModelError:
     """The refusal of a robot's file for a problem."""
-    return ModelError(said(problem, path=path, **facts))
+    return ModelError(message(problem, path=path, **facts))
 
 
 def check_parts(robot: Robot) -> None:

@@ -24,7 +24,7 @@ from models.errors import ModelError
 from planner import Array
 from planner.support import sentences
 
-said = sentences("models.description", "refusals.toml")
+message = sentences("models.description", "refusals.toml")
 UNDECODED = re.compile("[\udc80-\udcff]")  # bytes that are not UTF-8
 COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 TAG = re.compile(r"<([A-Za-z_][\w.-]*)((?:[^<>\"']|\"[^\"]*\"|'[^']*')*)>")
@@ -50,7 +50,7 @@ mujoco.set_mju_user_warning(lambda text: None)
 
 def refusal(problem: str, source: object, /, **facts: object) -> ModelError:
     """Why a file is refused, as `refusals.toml` says it."""
-    return ModelError(said(problem, source=source, **facts))
+    return ModelError(message(problem, source=source, **facts))
 
 
 def check_text(path: Path) -> None:

@@ -30,7 +30,7 @@ from planner.errors import PlannerError
 from planner.extension.extended import ExtendedSystem, extend
 from planner.numerics.arrays import Array
 from planner.planning.algorithm import Plan, plan, plan_of_flows
-from planner.planning.paths import line
+from planner.planning.paths import line, message
 from planner.planning.plane import Plane
 from planner.planning.rates import declared_or_derived, rate_along, vanishes
 from planner.planning.rollouts import play
@@ -97,10 +97,7 @@ class ChainedForm:
         state = np.asarray(x, dtype=float)
         z = self._functions.velocity(state)
         if not np.isfinite(z).all():
-            raise PlannerError(
-                f"the chained form is singular at {self._named(state)}; plan with "
-                "elements"
-            )
+            raise PlannerError(message("chained_singular", place=self._named(state)))
         return z
 
     def plan(self, start: ArrayLike, goal: ArrayLike, segments: int = 1) -> Plan:
@@ -235,10 +232,7 @@ def chained_form(
     for along, across in permutations(system.state, 2):
         with suppress(PlannerError):
             return _formed(system, columns, FlatOutputs(along, across))
-    raise PlannerError(
-        "no two coordinates are flat outputs of a chained form; declare functions that "
-        "are, or plan with elements"
-    )
+    raise PlannerError(message("no_outputs"))
 
 
 def _formed(
@@ -248,10 +242,8 @@ def _formed(
     rates = [rate_along(outputs.along, column, state) for column in columns]
     still = [vanishes(rate, state) for rate in rates]
     if sorted(still) != [False, True]:
-        raise PlannerError(
-            f"{outputs.along} is moved by {2 - sum(still)} of two fields, but the "
-            "first flat output has to be moved by exactly one"
-        )
+        count = 2 - sum(still)
+        raise PlannerError(message("not_one", along=outputs.along, count=count))
     drive, turn = columns[still.index(False)], columns[still.index(True)]
     rate = declared_or_derived(fu(rates[still.index(False)]), outputs.rate, state)
     ahead = drive / rate
@@ -262,11 +254,9 @@ def _formed(
     slopes, names = [outputs.across, slope], list(system.fields)
     while len(slopes) < len(state) - 1:
         if not vanishes(rate_along(slopes[-1], turn, state), state):
-            raise PlannerError(
-                f"{refusal}: {names[still.index(True)]} changes their slope of order "
-                f"{len(slopes) - 1}, and may change only that of order "
-                f"{len(state) - 2}; for trailers take the middle of the last axle"
-            )
+            facts = {"name": names[still.index(True)], "order": len(slopes) - 1}
+            last = len(state) - 2
+            raise PlannerError(message("slopes", refusal=refusal, last=last, **facts))
         slopes.append(rate_along(slopes[-1], ahead, state))
     turned = rate_along(slopes[-1], turn, state)
     if vanishes(turned, state):

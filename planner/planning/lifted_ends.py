@@ -19,7 +19,7 @@ from planner.execution.execution import Execution
 from planner.extension.extended import ExtendedSystem
 from planner.numerics.arrays import Array
 from planner.planning.algorithm import Plan, plan
-from planner.planning.paths import line
+from planner.planning.paths import line, message
 from planner.systems.flows import Flow
 from planner.systems.shape import ShapeCoordinates
 from planner.systems.strata import StratifiedSystem
@@ -78,16 +78,10 @@ def _lifted(system: StratifiedSystem, x: Array) -> dict[int, float]:
     heights = {}
     for function in system.level_set(system.bottom).functions:
         if function not in system.state:
-            raise StratumError(
-                f"feet are lifted along {function}, which is no coordinate of the "
-                "state; start and end on the bottom stratum"
-            )
+            raise StratumError(message("no_height", function=function))
         place = system.state.index(function)
         if x[place] < -ON_GROUND:
-            raise StratumError(
-                f"{function} is {x[place]:g}, a foot below the ground; heights are at "
-                "least 0"
-            )
+            raise StratumError(message("below", function=function, height=x[place]))
         if x[place] > ON_GROUND:
             heights[place] = float(x[place])
     return heights
@@ -99,10 +93,7 @@ def _lift(shape: ShapeCoordinates, stratum: str, place: int, height: float) -> F
         rates = shape.rates[name]
         if np.isfinite(rates).all() and np.flatnonzero(rates).tolist() == [place]:
             return Flow(stratum, name, height / float(rates[place]))
-    raise StratumError(
-        f"no field of S{stratum} moves {shape.names[place]} alone; give it one that "
-        "lifts this foot"
-    )
+    raise StratumError(message("no_lift", stratum=stratum, name=shape.names[place]))
 
 
 def _joined(

@@ -22,7 +22,7 @@ from planner.extension.choice import Choice, choose_elements
 from planner.extension.extended import KEPT, ExtendedSystem, extend
 from planner.numerics.arrays import ROUNDING, Array
 from planner.numerics.collocation import collocation
-from planner.planning.paths import Path, grid
+from planner.planning.paths import Path, grid, message
 from planner.systems.flows import Flow, flow_map
 from planner.systems.strata import StratifiedSystem
 
@@ -59,15 +59,10 @@ def require_segments(segments: int, path: Path) -> None:
     """Check that segments are a whole number, and enough for the path's corners."""
     whole = isinstance(segments, Integral) and not isinstance(segments, bool)
     if not whole or not 1 <= segments <= MOST_SEGMENTS:
-        raise ValueError(
-            f"segments is {segments}; a whole number from 1 to {MOST_SEGMENTS} is "
-            "needed"
-        )
+        raise ValueError(message("segments", given=segments, most=MOST_SEGMENTS))
     if segments <= len(path.corners):
-        raise PlannerError(
-            f"segments is {segments}, which cuts corners of a path that has "
-            f"{len(path.corners)}; plan at least {len(path.corners) + 1} segments"
-        )
+        facts = {"corners": len(path.corners), "least": len(path.corners) + 1}
+        raise PlannerError(message("corners", given=segments, **facts))
 
 
 def default_nodes(segments: int) -> int:
@@ -86,27 +81,22 @@ def sample(path: Path, system: StratifiedSystem, segments: int, nodes: int) -> A
     parameters = np.append(inner.ravel(), 1.0)
     values = path.at(parameters)
     if values.shape != (parameters.size, system.dimension):
-        raise ValueError(
-            f"path returns shape {values.shape[1:]}, expected ({system.dimension},): "
-            f"{', '.join(map(str, system.state))}"
-        )
+        state = ", ".join(map(str, system.state))
+        shapes = {"given": values.shape[1:], "dimension": system.dimension}
+        raise ValueError(message("shape", state=state, **shapes))
     finite = np.isfinite(values).all(axis=1)
     if not finite.all():
         raise ValueError(f"path is not finite at s = {parameters[~finite][0]:.6g}")
     lost = (np.spacing(np.abs(values)) * system.weights).max(axis=1)
     if lost.max() > ROUNDED_OFF:
-        raise ValueError(
-            f"path is at {point(values[lost.argmax()])}, where steps of "
-            f"{lost.max():.1g} are lost to rounding; measure from a nearer origin"
-        )
+        place = point(values[lost.argmax()])
+        raise ValueError(message("rounded", place=place, lost=lost.max()))
     bottom = system.level_set(system.bottom)
     missed = np.abs(bottom.value(values)) if bottom.functions else np.zeros((1, 1))
     if missed.max() > OFF_BOTTOM:
         k, i = np.unravel_index(missed.argmax(), missed.shape)
-        raise ValueError(
-            f"path leaves S{system.bottom} at s = {parameters[k]:.6g}, where "
-            f"{bottom.functions[i]} is not 0 at {point(values[k])}"
-        )
+        facts = {"function": bottom.functions[i], "place": point(values[k])}
+        raise ValueError(message("off", bottom=system.bottom, s=parameters[k], **facts))
     starts = values[:-1].reshape(segments, nodes - 1, -1)
     return np.concatenate([starts, values[nodes - 1 :: nodes - 1, None]], axis=1)
 
@@ -202,11 +192,8 @@ def require_use(
     missed = float(system.length(nominal[-1] - end) / way)
     if missed > USELESS:
         worst = nominal[(least / singular[:, 0]).argmin()]
-        raise PlannerError(
-            f"the plan misses {100 * missed:.3g} % of its way: the elements are nearly "
-            f"singular at {point(worst)}; keep the path away from there, or plan far "
-            "more segments"
-        )
+        facts = {"missed": 100 * missed, "place": point(worst)}
+        raise PlannerError(message("nearly_singular", **facts))
 
 
 def _missed(extended: ExtendedSystem, samples: Array, inputs: Array) -> Array:

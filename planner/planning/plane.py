@@ -18,6 +18,7 @@ import sympy as sp
 
 from planner.errors import PlannerError, point
 from planner.numerics.arrays import Array
+from planner.planning.paths import message
 from planner.planning.rollouts import play
 from planner.systems.fields import CompiledFields, compile_fields, sample_configurations
 from planner.systems.flows import Flow
@@ -153,10 +154,7 @@ class Plane:
                     seen.add(cell.tobytes())
                     fresh.append(k)
             layer, ways = after[fresh], [ways[k] for k in fresh]
-        raise PlannerError(
-            f"no way was found to align the headings of {point(x)}; give headings that "
-            "differ less"
-        )
+        raise PlannerError(message("headings", place=point(x)))
 
     def _followed(self, x: Array, way: Way, rate: float) -> tuple[list[Flow], Array]:
         """The flows of steps, joined where the wheels stay, and where they lead."""

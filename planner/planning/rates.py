@@ -9,6 +9,7 @@ import sympy as sp
 
 from planner.errors import PlannerError
 from planner.numerics.arrays import Array
+from planner.planning.paths import message
 from planner.systems.fields import Symbols, sample_configurations
 
 NEARBY = 0.3  # of the random configurations at which expressions are compared
@@ -66,8 +67,5 @@ def declared_or_derived(
         return derived
     size = float(np.abs(_values(derived, state)).max(initial=1.0))
     if not vanishes(derived - declared, state, size):
-        raise PlannerError(
-            f"{declared} is declared for a flat output but is not the rate that "
-            "the fields give; correct it or leave it out"
-        )
+        raise PlannerError(message("declared", rate=declared))
     return declared

@@ -23,7 +23,7 @@ from planner.extension.extended import ExtendedSystem
 from planner.numerics.arrays import Array
 from planner.planning.algorithm import Plan, assemble, follow_path, with_remedy
 from planner.planning.nominal import fictitious_inputs_along, require_segments, sample
-from planner.planning.paths import Path, as_path, grid, line
+from planner.planning.paths import Path, as_path, grid, line, message
 from planner.planning.rollouts import play
 from planner.support.stopping import tick
 
@@ -108,10 +108,8 @@ def _aimed_along(
     for number, target in enumerate(targets[1:], start=1):
         shot = _aimed(extended, here, target, execution, tolerance)
         if shot is None:
-            raise ConvergenceError(
-                f"segment {number} of {len(targets) - 1} cannot be aimed to within "
-                f"{tolerance:.3g} of its end; cut the path into more segments"
-            )
+            facts = {"number": number, "count": len(targets) - 1}
+            raise ConvergenceError(message("aimed", tolerance=tolerance, **facts))
         shots.append(shot)
         here = shot.end
     return shots
@@ -202,10 +200,8 @@ def steer(
                 break
             hopeful = False
         if len(shots) >= max_shots or part < FINEST:
-            raise ConvergenceError(
-                f"{len(shots)} shots end {distances[-1]:.3g} from the goal, beyond the "
-                f"tolerance {tolerance:.3g}; allow more, or cut the path into segments"
-            )
+            facts = {"count": len(shots), "distance": distances[-1]}
+            raise ConvergenceError(message("shots", tolerance=tolerance, **facts))
         target = here + part * (end - here)
         shot = shot_towards(extended, here, target, execution)
         length = apart(target, here)
@@ -237,10 +233,7 @@ def shot_towards(
     """A plan of one straight segment between configurations (n,), and its rollout."""
     orders = CHOICES[execution.coordinates][0]
     if len(orders) > 1:
-        raise ValueError(
-            "the end of a shot depends on the coordinates that it follows; choose "
-            "backward, forward or shortest instead of fewest"
-        )
+        raise ValueError(message("fewest"))
     samples = sample(line(here, target), extended.system, 1, SEGMENT_NODES)
     inputs = fictitious_inputs_along(extended, samples)
     coordinates = extended.steering.hall_coordinates(inputs)

@@ -17,7 +17,7 @@ from planner.systems.fields import (
     Symbols,
     VectorField,
     central_difference,
-    said,
+    message,
     sample_configurations,
 )
 from planner.systems.formulas import HUGE, RESERVED, read_formula
@@ -92,7 +92,7 @@ def _require_differentiable(what: str, field: NumericField, size: int) -> None:
         found = central_difference(field, x, direction, DIFFERENCE / 4)
         if np.isfinite(found).all() and not np.allclose(given, found, 1e-6, 1e-6):
             facts = {"given": point(given), "place": point(x), "found": point(found)}
-            raise ValueError(said("derivative", what=what, **facts))
+            raise ValueError(message("derivative", what=what, **facts))
 
 
 def _expression(what: str, value: Written, state: Symbols) -> sp.Expr:
@@ -108,7 +108,7 @@ def _expression(what: str, value: Written, state: Symbols) -> sp.Expr:
     known = {part for part in parts if part.is_Symbol} <= set(state)
     if not known and (strangers := expression.free_symbols - set(state)):
         stranger, names = min(map(str, strangers)), ", ".join(map(str, state))
-        raise ValueError(said("strange", what=what, stranger=stranger, state=names))
+        raise ValueError(message("strange", what=what, stranger=stranger, state=names))
     for part in parts:
         odd = part.is_Pow and not part.exp.is_integer and part.base.is_negative
         if odd or (part.is_number and not _is_real(part)):
@@ -169,7 +169,7 @@ def checked_metric(
     for name, weight in metric.items():
         require_known(f"metric has {name}, which", str(name), names)
         if not 0.0 < weight < inf:
-            raise ValueError(said("weight", name=name, weight=weight))
+            raise ValueError(message("weight", name=name, weight=weight))
     return {str(name): float(w) for name, w in metric.items() if w != 1}
 
 

@@ -26,7 +26,7 @@ VectorField = Any  # sp.ImmutableMatrix of shape (n, 1), or a NumericField
 DIFFERENCE = 0.02  # of central differences; the extrapolation's error is of sixth order
 PROBES = 12  # random points; an analytic field that vanishes at all of them is zero
 
-said = sentences("planner.systems", "refusals.toml")
+message = sentences("planner.systems", "refusals.toml")
 KINKS = {"DiracDelta": lambda x, *_: np.where(x == 0, np.nan, 0.0)}
 """Derivative of `sign`: zero, except at the jump, where there is none."""
 
@@ -101,7 +101,7 @@ class NumericField:
         velocity = np.asarray(_called(self.value, x), dtype=float)
         if velocity.shape != x.shape:
             shapes = {"velocity": velocity.shape, "state": x.shape}
-            raise ValueError(said("shape_of_field", **shapes))
+            raise ValueError(message("shape_of_field", **shapes))
         return velocity
 
     def weight(self, x: Array) -> float:

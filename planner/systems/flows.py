@@ -20,7 +20,7 @@ import numpy as np
 from planner.errors import StratumError, require_known
 from planner.numerics.arrays import Array
 from planner.numerics.collocation import STEP_NODES, follow, follow_all
-from planner.systems.fields import said
+from planner.systems.fields import message
 from planner.systems.strata import StratifiedSystem
 
 
@@ -209,12 +209,12 @@ class Gait:
             require_known(f"stratum {name!r} of gait {self}", name, known, StratumError)
         if self.strata[0] != self.strata[-1]:
             ends = {"first": self.strata[0], "last": self.strata[-1]}
-            raise StratumError(said("open", gait=self, **ends))
+            raise StratumError(message("open", gait=self, **ends))
         for a, b in pairwise(self.strata):
             if b not in (a, *self.system.neighbours[a]):
                 near = ", ".join(f"S{s}" for s in self.system.neighbours[a]) or "none"
                 step = {"here": a, "there": b, "near": near}
-                raise StratumError(said("steps", gait=self, **step))
+                raise StratumError(message("steps", gait=self, **step))
 
     def __str__(self) -> str:
         return " -> ".join(f"S{name}" for name in self.strata)
@@ -255,5 +255,5 @@ def gait_steps(
 def places_in(cycle: Sequence[str], stratum: str) -> list[int]:
     """Places of a stratum in a gait; `StratumError` if there is none."""
     if stratum not in cycle:
-        raise StratumError(said("unvisited", cycle=" ".join(cycle), stratum=stratum))
+        raise StratumError(message("unvisited", cycle=" ".join(cycle), stratum=stratum))
     return [i for i, name in enumerate(cycle) if name == stratum]

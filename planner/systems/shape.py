@@ -15,7 +15,7 @@ import numpy as np
 
 from planner.errors import RangeError, require_known
 from planner.numerics.arrays import Array
-from planner.systems.fields import NumericField, said
+from planner.systems.fields import NumericField, message
 from planner.systems.flows import Flow
 from planner.systems.strata import StratifiedSystem
 
@@ -109,5 +109,5 @@ class ShapeCoordinates:
                 f"limits of {name} are empty: {low} to {high}; give the lower one first"
             )
         if (index := self.names.index(name)) not in self.coordinates:
-            raise ValueError(said("limit", name=name))
+            raise ValueError(message("limit", name=name))
         return index

@@ -33,7 +33,7 @@ from planner.systems.fields import (
     Symbols,
     VectorField,
     compile_fields,
-    said,
+    message,
 )
 from planner.systems.level_sets import LevelSet
 
@@ -196,7 +196,7 @@ class StratifiedSystem:
         for name in (start, goal):
             require_known(f"stratum {name!r}", name, self.strata, StratumError)
         if (start, goal) not in self.switch_counts:
-            raise StratumError(said("apart", start=start, goal=goal))
+            raise StratumError(message("apart", start=start, goal=goal))
         return self.switch_counts[start, goal]
 
     @cached_property
@@ -220,11 +220,11 @@ class StratifiedSystem:
         for name in self.strata if len(self.strata) > 1 else ():
             clear = len(set(name)) == len(name) and ("0" not in name or name == "0")
             if not (clear or self.level_sets):
-                raise ValueError(said("contacts", name=name))
+                raise ValueError(message("contacts", name=name))
         seen: dict[frozenset[str], str] = {}
         for name, contacts in self.contacts.items():
             if (other := seen.setdefault(contacts, name)) != name:
-                raise ValueError(said("alike", other=other, name=name))
+                raise ValueError(message("alike", other=other, name=name))
 
     def _require_tangent_fields(self, stratum: str) -> None:
         level_set = self.level_set(stratum)
@@ -236,8 +236,6 @@ class StratifiedSystem:
             rates = abs(level_set.rates(vector_field))
             if rates.any():
                 where, which = divmod(int(rates.argmax()), rates.shape[1])
-                changed = {
-                    "function": level_set.functions[which],
-                    "place": point(level_set.points[where]),
-                }
-                raise ValueError(said("leaves", name=name, stratum=stratum, **changed))
+                place, function = level_set.points[where], level_set.functions[which]
+                facts = {"function": function, "place": point(place)}
+                raise ValueError(message("leaves", name=name, stratum=stratum, **facts))

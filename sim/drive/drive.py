@@ -26,7 +26,7 @@ from sim.preparation.setup import Setup
 from sim.world.servos import ServoSettings, servo_settings
 
 Allowed = tuple[FeedForward | None, FeedForward | None]  # torques, practised angles
-SAID = shipped_tables("sim.drive", "refusals.toml")
+MESSAGES = shipped_tables("sim.drive", "refusals.toml")
 LEAST_FRICTION = 0.1  # below, feet slide whatever the servos do
 
 
@@ -89,7 +89,7 @@ class Drive:
         rate, name = self._servo.rate, scenario.name
         facts = {"jump": share * held, "held": held, "slower": slower}
         more = {"stiffness": stiffness, "faster": ceil(rate * share)}
-        raise UsageError(*_said("gentle", rate=rate, scenario=name, **facts, **more))
+        raise UsageError(*_message("gentle", rate=rate, scenario=name, **facts, **more))
 
     def _jump(self, servo: ServoSettings, stiffness: float) -> float:
         """Jump of a torque from one command to the next, as a share of what is held."""
@@ -127,8 +127,8 @@ class Drive:
             "make the robot lighter",
             *["lower swing_speed"] * bool(phase.kind == "swing" and at_rest < most),
         ]
-        facts = {"needed": needed[knot, joint], "at_rest": at_rest, "most": most}
-        what, where = _said("weak", joint=name, phase=phase, seconds=seconds, **facts)
+        facts = {"phase": phase, "seconds": seconds, "at_rest": at_rest, "most": most}
+        what, where = _message("weak", joint=name, needed=needed[knot, joint], **facts)
         setting = f"servo={makes[0]}" if makes else ""
         raise SimulationError(what, where, ", or ".join(remedies), setting)
 
@@ -158,9 +158,8 @@ class Drive:
             slower["lift_height"] = setup.kinematics.rise(angle).min()
         sets = [f"--set {name}={floor(1e3 * x) / 1e3:g}" for name, x in slower.items()]
         facts = {"servo": self._servo.name, "counts": counts, "asked": " ".join(sets)}
-        set_to = counts * kind.resolution
-        said = _said("fast", speed=speeds.max(), most=most, set_to=set_to, **facts)
-        raise UsageError(*said)
+        facts |= {"speed": speeds.max(), "set_to": counts * kind.resolution}
+        raise UsageError(*_message("fast", most=most, **facts))
 
     def require_reach(self, schedule: Schedule, torques: FeedForward | None) -> None:
         """Refuse predicted feed-forward that a joint's range would cut short."""
@@ -178,7 +177,7 @@ class Drive:
         name = model.actuator(int(joints[joint])).name
         seconds = (schedule.start + rows[knot]) * self._setup.limits.timestep
         facts = {"angle": ctrl[knot, joint], "low": low[joint], "high": high[joint]}
-        raise SimulationError(*_said("beyond", joint=name, seconds=seconds, **facts))
+        raise SimulationError(*_message("beyond", joint=name, seconds=seconds, **facts))
 
     def commands(
         self,
@@ -259,9 +258,9 @@ class Drive:
         return (later - sooner) / seconds[:, None]
 
 
-def _said(problem: str, /, **facts: object) -> list[str]:
+def _message(problem: str, /, **facts: object) -> list[str]:
     """What is wrong, where, and what to do, as `refusals.toml` says it."""
-    return [part.format(**facts) for part in SAID[problem]]
+    return [part.format(**facts) for part in MESSAGES[problem]]
 
 
 def _needed(servo: ServoSettings, borne: Array, turned: Array) -> Array:

@@ -33,7 +33,7 @@ LIGHT = 0.2  # of a motor's inertia; joints with less chatter
 BENT = 0.03  # [rad] on average, by which a servo lags behind its command
 RATTLED = 5  # bounces a touchdown; zeros and backlash of a few degrees make up to 3
 HARMLESS = 2  # bounces, of which nothing is said where a walk arrived
-SAID = shipped_tables("sim.evaluation", "causes.toml")
+MESSAGES = shipped_tables("sim.evaluation", "causes.toml")
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ def likely_cause(word: str, evidence: Evidence) -> str:
 
 def say(cause: str, kind: str = "", /, **facts: object) -> str:
     """A sentence about a cause, of a kind if there are several."""
-    sentence: str = SAID[cause][kind] if kind else SAID[cause]
+    sentence: str = MESSAGES[cause][kind] if kind else MESSAGES[cause]
     return sentence.format(**facts)
 
 

@@ -31,7 +31,7 @@ SETTLING = 0.5  # [s]
 CHUNK = 10  # steps between two looks at whether Ctrl-C was pressed
 SHORTER = (0.002, 0.001, 0.0005)  # timesteps to try where a longer one fails [s]
 MOST_STEPS = 4000  # steps, for tiny timesteps
-SAID = shipped_tables("sim.physics", "standing.toml")
+MESSAGES = shipped_tables("sim.physics", "standing.toml")
 
 
 def check_standing(
@@ -133,7 +133,7 @@ def _refuse_obstacles(model: mujoco.MjModel, data: mujoco.MjData) -> None:
 
 def problem(what: str, **facts: object) -> tuple[str, str]:
     """Why a robot does not stand, and what to do about it."""
-    words = SAID["problems"][what], SAID["remedies"][what]
+    words = MESSAGES["problems"][what], MESSAGES["remedies"][what]
     return words[0].format(**facts), words[1].format(**facts)
 
 

@@ -25,7 +25,7 @@ from sim.world.servos import (
     servo_settings,
 )
 
-SAID: Mapping[str, str] = shipped_tables("sim.world", "changes.toml")
+MESSAGES: Mapping[str, str] = shipped_tables("sim.world", "changes.toml")
 
 
 def changes(robot: Robot, scenario: Scenario) -> Iterator[str]:
@@ -48,11 +48,11 @@ def changes(robot: Robot, scenario: Scenario) -> Iterator[str]:
     inertia = next(iter(added.values()), 0.0)
     for what, names in found.items():
         if names:
-            yield SAID[what].format(names=_listed(names), inertia=inertia)
+            yield MESSAGES[what].format(names=_listed(names), inertia=inertia)
     own = sorted({float(foot.friction[0]) for foot in feet} - {scenario.friction, 1.0})
     if own and scenario.foot_friction is None:
         words = ", ".join(f"{mu:g}" for mu in own)
-        yield SAID["friction"].format(own=words, friction=scenario.friction)
+        yield MESSAGES["friction"].format(own=words, friction=scenario.friction)
 
 
 def overlaps(robot: Robot) -> Iterator[str]:
@@ -67,7 +67,7 @@ def overlaps(robot: Robot) -> Iterator[str]:
             continue
         pair = model.geom(one).id, model.geom(two).id
         if (apart := mujoco.mj_geomDistance(model, data, *pair, 0.0, np.zeros(6))) < 0:
-            yield SAID["overlap"].format(one=one, two=two, apart=-1e3 * apart)
+            yield MESSAGES["overlap"].format(one=one, two=two, apart=-1e3 * apart)
 
 
 def _listed(names: Sequence[str]) -> str:

@@ -162,7 +162,9 @@ def test_scenarios_have_plain_names(scenario):
         if is_plain(name) and name and name[0] not in ".-" and "/" not in name:
             assert scenario(name=name).name == name
         else:
-            with pytest.raises(UsageError, match="text in quotation marks, without slashes") as found:
+            with pytest.raises(
+                UsageError, match="text in quotation marks, without slashes"
+            ) as found:
                 scenario(name=name)
             assert one_line(found.value).isprintable()
 
