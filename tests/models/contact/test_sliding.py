@@ -143,6 +143,18 @@ def test_a_foot_that_would_pull_hangs_free_and_the_others_bear_the_weight():
     assert loads == pytest.approx(np.array([[0.7, 0.15, 0.15, 0.0]]))
 
 
+def test_the_friction_under_some_feet_is_that_of_the_roughest_of_them():
+    springs, stiffness = np.arange(1.0, 5.0), np.arange(5.0, 9.0)
+    own = (0.3, 0.9, 0.5, 1.2)
+    ground = Ground(springs, stiffness, friction=1.2, weight=10.0, frictions=own)
+    under = ground.under(np.array([True, False, True, False]))
+    assert (under.friction, under.frictions) == (0.5, (0.3, 0.5))
+    assert under.shares.tolist() == [0.6, 1.0]
+    assert (under.contact.tolist(), under.servo.tolist()) == ([1.0, 3.0], [5.0, 7.0])
+    alike = Ground(springs, stiffness, friction=1.2, weight=10.0)
+    assert alike.under(np.array([True, False, True, False])).friction == 1.2
+
+
 @pytest.mark.physics
 @pytest.mark.parametrize("speed", [0.5, 0.1])
 def test_the_engine_slides_as_predicted(robot, world, speed):

@@ -1,6 +1,7 @@
 """Chained forms: found or declared, exact at every distance."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,7 +10,8 @@ import sympy as sp
 from models.systems.catalogue import shipped_system
 from planner.errors import PlannerError
 from planner.extension.extended import extend
-from planner.planning.chained_forms import FlatOutputs, chained_form
+from planner.planning import chained_forms
+from planner.planning.chained_forms import ChainedForm, FlatOutputs, chained_form
 from planner.planning.rollouts import play, rollout
 from planner.planning.shooting import steer
 from planner.systems.fields import compile_fields, sample_configurations
@@ -191,6 +193,56 @@ def test_words_that_swing_too_far_for_a_chart_are_made_of_shorter_segments(two):
     goal = np.array([-1.824, -1.857, 0.094, -0.212, 2.621, 0.129])
     planned = two.plan(np.zeros(6), goal)
     assert rollout(planned)[-1] == pytest.approx(goal, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("missed", "tried", "taken"),
+    [
+        ([1e-12], 1, 1),  # as near as it gets
+        ([1e-10, 1e-12], 2, 2),
+        ([1e-4, 1e-6, 1e-10, 1e-12], 4, 4),
+        ([1e-10, 2e-10], 2, 1),  # what ends farther away is left out
+        ([1e-10, 1e-10], 2, 1),
+        ([9e-10, 5e-10, 4e-10, 3e-10, 2e-10], 4, 4),  # no more than three times
+    ],
+)
+def test_what_integration_misses_is_made_up_for_while_it_gets_nearer(
+    missed, tried, taken, monkeypatch
+):
+    goal, asked, parts = np.ones(4), [], []
+
+    def straight(start, goal, segments=1):
+        asked.append((start.tolist(), segments))
+        end = goal + [0.0, missed[len(asked) - 1], 0.0, 0.0]
+        parts.append(SimpleNamespace(nominal=[start, end], segments=lambda: [[]]))
+        return parts[-1]
+
+    form = SimpleNamespace(system=None, _straight=straight)
+    joined = lambda system, flows, start: (len(flows), start)  # noqa: E731
+    monkeypatch.setattr(chained_forms, "_plan_of", joined)
+    found = ChainedForm._corrected(form, np.zeros(4), goal, 5)
+    if taken == 1:
+        assert found is parts[0]
+    else:
+        assert found[0] == taken
+        assert not found[1].any()
+    assert asked[0] == ([0.0] * 4, 5)
+    assert [start for start, _ in asked[1:]] == [
+        part.nominal[-1].tolist() for part in parts[: tried - 1]
+    ]
+    assert len(asked) == tried
+
+
+def test_what_is_still_missed_by_more_than_is_allowed_is_refused():
+    form = SimpleNamespace(
+        system=None,
+        _straight=lambda start, goal, segments=1: SimpleNamespace(
+            nominal=[goal + 1e-8]
+        ),
+        _separated=lambda start, goal: PlannerError("apart"),
+    )
+    with pytest.raises(PlannerError, match="apart"):
+        ChainedForm._corrected(form, np.zeros(4), np.ones(4), 1)
 
 
 def test_charts_are_those_of_the_same_system_turned(two):

@@ -1,6 +1,7 @@
 """Decisions of a setup: what is shared, learnt, aimed at and written down."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -161,6 +162,32 @@ def test_a_plan_is_a_fallback_within_both_tolerances(setup, position, yaw, kept)
     }
     assert ScenarioProblem(with_settings(setup, **changes)).has_fallback == kept
     assert ROUNDED > 1
+
+
+@pytest.mark.parametrize(
+    ("pose", "off"),
+    [
+        ((0.3, 0.4, 0.5), 0.0),
+        ((0.3, 0.4, 0.7), 0.2 * 0.2),
+        ((0.3, 0.4, 0.5 - 2 * np.pi - 0.1), 0.2 * 0.1),
+        ((0.0, 0.0, 0.6), 0.5),
+    ],
+)
+@pytest.mark.parametrize(("length", "turned"), [(2.0, 0.5), (0.0, -1.5), (0.0, 0.0)])
+def test_what_a_pose_misses_is_a_share_of_the_way_of_the_body_or_its_feet(
+    pose, off, length, turned
+):
+    """Feet reach 0.2 m, so that they go 0.2 m for each radian of the body."""
+    from sim.problems.scenario import miss_of
+
+    fake = SimpleNamespace(
+        kinematics=SimpleNamespace(reach=0.2),
+        scenario=SimpleNamespace(path=SimpleNamespace(length=length)),
+        nominal=lambda: lambda s: np.array([0.0, 0.0, turned * s]),
+    )
+    way = max(length, 0.2 * abs(turned))
+    found = miss_of(fake, np.array(pose), np.array([0.3, 0.4, 0.5]))
+    assert found == pytest.approx(off / way if way else 0.0, abs=1e-12)
 
 
 @pytest.mark.parametrize("share", [1.0, 0.5])
