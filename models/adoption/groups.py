@@ -254,7 +254,7 @@ class _Trial:
 
     def _pairs(
         self, swing: tuple[float, float], raised: tuple[bool, bool]
-    ) -> Iterator[tuple[int, int]]:
+    ) -> list[tuple[int, int]]:
         """Geoms of the robot that touch at angles of the groups [rad]."""
         angles = {}
         for group, angle, up in zip(self._groups, swing, raised, strict=True):
@@ -266,8 +266,7 @@ class _Trial:
         self._pose.turn(angles)
         model, data = self._pose.model, self._pose.data
         mujoco.mj_collision(model, data)
-        for contact in data.contact[: data.ncon]:
-            one, other = sorted(int(geom) for geom in contact.geom)
-            roots = model.body_rootid[model.geom_bodyid[[one, other]]]
-            if (roots == self._pose.root).all() and not contact.exclude:
-                yield one, other
+        geoms = data.contact.geom.reshape(-1, 2)
+        roots = model.body_rootid[model.geom_bodyid[geoms]]
+        own = (roots == self._pose.root).all(axis=1) & (data.contact.exclude == 0)
+        return [(one, other) for one, other in np.sort(geoms[own]).tolist()]
