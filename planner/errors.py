@@ -6,6 +6,8 @@ from collections.abc import Collection, Iterable, Sequence
 from difflib import get_close_matches
 from pathlib import Path
 
+from planner.messages import message as message
+
 MANY = 40  # names, too many for a line
 SETUP = Path(__file__).parents[1] / "scripts" / "setup"  # in a checkout
 

@@ -40,7 +40,7 @@ class StratawalkError(Exception):
     def __init__(self, what: str, where: str, remedy: str) -> None:
         """Say what is wrong, with its value; the file, option or time; what to do."""
         self.what, self.where, self.remedy = what, where, remedy
-        super().__init__(f"{what}: {where}; {remedy}")
+        super().__init__(f"{what}: {where}; {remedy}".removesuffix("; "))
 
     @classmethod
     def at(cls, where: str, error: Exception, remedy: str = "") -> Self:

@@ -73,5 +73,6 @@ def servo_of(name: str, given: Mapping[str, float] | None = None) -> ServoKind:
     if name not in KNOWN_SERVOS:
         raise ValueError(f"it {unknown(name, KNOWN_SERVOS)}")
     if missing := [n for n in NEEDED if name in GENERIC and n not in given]:
-        raise ValueError(f"give {' and '.join(missing)} of its data sheet")
+        lacking = f"it has no {' and no '.join(missing)}"
+        raise ValueError(f"{lacking}; give what its data sheet says")
     return KNOWN_SERVOS[name].with_numbers(given)

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
 
+from planner.errors import message
 from planner.lie.free_lie import structure_constants
 from planner.lie.hall import Bracket, Element, free_dimension, hall_basis
 from planner.systems.fields import Symbols, VectorField, lie_bracket
@@ -69,10 +70,7 @@ def hall_fields(
     count = len(numbers)
     degree = max_degree if count > 1 else 1  # a single field has no brackets
     if most is not None and (degree > most or free_dimension(count, degree) > most):
-        raise ValueError(
-            f"degree {max_degree} over {count} fields that do not commute has more "
-            f"than {most} brackets; give a lower degree"
-        )
+        raise ValueError(message("brackets", degree=max_degree, count=count, most=most))
     beyond = hall_basis(count, degree)[count:] if numbers else ()
     full: list[Element] = [*range(1, len(generators) + 1)]
     full += [renumbered(element, numbers) for element in beyond]

@@ -13,7 +13,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from planner.errors import PlannerError, RankError, point
+from planner.errors import PlannerError, RankError, message, point
 from planner.extension.fields_on_bottom import on_bottom
 from planner.extension.steering import Steering, steering
 from planner.numerics.arrays import Array
@@ -150,11 +150,9 @@ class ExtendedSystem:
         allowed = UNREACHED * np.abs(velocity).max(axis=-1, keepdims=True) + 1e-12
         if (missed > allowed).any():
             *where, i = np.unravel_index((missed - allowed).argmax(), missed.shape)
-            raise PlannerError(
-                f"the path moves {self.system.state[i]} at {point(x[tuple(where)])} by "
-                f"{missed[(*where, i)]:.3g} that no element can give; keep it on "
-                f"S{self.system.bottom}"
-            )
+            facts = {"name": self.system.state[i], "bottom": self.system.bottom}
+            facts |= {"place": point(x[tuple(where)]), "missed": missed[(*where, i)]}
+            raise PlannerError(message("no_element", **facts))
 
 
 def extend(

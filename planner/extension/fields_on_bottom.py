@@ -15,7 +15,7 @@ from itertools import chain
 import numpy as np
 import sympy as sp
 
-from planner.errors import DecouplingError, PlannerError, StratumError
+from planner.errors import DecouplingError, PlannerError, StratumError, message
 from planner.numerics.arrays import Array
 from planner.numerics.subspaces import rank
 from planner.systems.elements import Tree, leaves, relabel
@@ -55,11 +55,10 @@ def lifts(system: StratifiedSystem, stratum: str, bottom: str = "") -> tuple[str
     for names in (declared, leaving, upright):
         if len(names) == needed == independent(names):
             return tuple(names)
-    raise StratumError(
-        f"which field lifts on S{stratum}, {', '.join(leaving)}? {needed} of them "
-        f"{'lifts' if needed == 1 else 'lift'}; declare it with the system, as in "
-        f"lifts={{{stratum!r}: [{leaving[0]!r}]}}"
-    )
+    facts = {"stratum": stratum, "leaving": ", ".join(leaving), "needed": needed}
+    facts |= {"lift": "lifts" if needed == 1 else "lift"}
+    example = {stratum: leaving[:1]}
+    raise StratumError(message("which_lifts", example=example, **facts))
 
 
 def _moves_heights_alone(field: VectorField, level_set: LevelSet) -> bool:
@@ -189,10 +188,8 @@ def on_bottom(
     for name in used:
         field = tangent_field(system, name)
         if field is None:
-            raise PlannerError(
-                f"field {name} leaves S{system.bottom} and no lift field of "
-                f"S{system.stratum_of[name]} can hold it there (Sec. 5.1); leave it out"
-            )
+            facts = {"bottom": system.bottom, "stratum": system.stratum_of[name]}
+            raise PlannerError(message("not_held", name=name, **facts))
         if field is not system.fields[name]:
             renamed[name] = f"{name}_tangent"
             strata[system.stratum_of[name]][renamed[name]] = field

@@ -22,7 +22,7 @@ import numpy as np
 import sympy as sp
 from numpy.polynomial.legendre import leggauss
 
-from planner.errors import require_known
+from planner.errors import message, require_known
 from planner.numerics.arrays import Array
 from planner.systems.fields import NumericField
 from planner.systems.flows import Flow
@@ -137,10 +137,7 @@ def _angles(
         own, others = shape.rates[name], shape.rates[other]
         moved = [i for i in shape.coordinates if own[i] and not others[i]]
         if not moved:
-            raise ValueError(
-                f"field {name} moves no shape coordinate that {other} leaves alone; "
-                "give two strokes that each swing a leg of its own"
-            )
+            raise ValueError(message("strokes", name=name, other=other))
         found.append(min(moved, key=lambda i: (shape.system.state[i] in used, i)))
     (i, j), (f, g) = found, strokes
     return (i, j), (float(shape.rates[f][i]), float(shape.rates[g][j]))
@@ -163,11 +160,8 @@ def _solved(
             if (f.free_symbols | g.free_symbols) <= set(angles)
         }
         if not ready:
-            raise ValueError(
-                f"the rates of {', '.join(map(str, left))} depend on more than "
-                f"{angles[0]} and {angles[1]}; a height function needs coordinates "
-                "that these two angles determine"
-            )
+            named, (one, two) = ", ".join(map(str, left)), angles
+            raise ValueError(message("two_angles", left=named, one=one, two=two))
         for s, pair in ready.items():
             solved[s] = pair
             del left[s]

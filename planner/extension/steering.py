@@ -15,6 +15,7 @@ from typing import Literal
 
 import numpy as np
 
+from planner.errors import message
 from planner.extension.bracket_fields import HallFields, hall_fields
 from planner.extension.rectangles import Rectangles, rectangles, sign_choices, weights
 from planner.lie.coordinates import integrate
@@ -224,10 +225,7 @@ def steering(
     if not isinstance(degree, Integral) or isinstance(degree, bool):
         raise ValueError(f"degree is {degree!r}; a whole number is needed")
     if degree < highest:
-        raise ValueError(
-            f"degree is {degree}, but plans steer by brackets of degree {highest}; "
-            f"give at least {highest}"
-        )
+        raise ValueError(message("degree", degree=degree, highest=highest))
     hall = hall_fields(system, generators, degree, MOST_COORDINATES)
     selected = tuple(_index(tree, hall.names) for tree in trees)
     return Steering(hall, selected, degree, rectangles(system, hall))
@@ -239,7 +237,4 @@ def _index(tree: Tree, basis: Sequence[str]) -> int:
         return basis.index(name)
     turned = name_of((tree[1], tree[0])) if isinstance(tree, tuple) else name
     way_out = f"write {turned}" if turned in basis else "choose from the Hall basis"
-    raise ValueError(
-        f"element {name} is not in the Hall basis over the fields in order of "
-        f"appearance; {way_out}"
-    )
+    raise ValueError(message("not_in_basis", name=name, way_out=way_out))

@@ -26,11 +26,11 @@ import sympy as sp
 from numpy.typing import ArrayLike
 from sympy.simplify.fu import fu
 
-from planner.errors import PlannerError
+from planner.errors import PlannerError, message
 from planner.extension.extended import ExtendedSystem, extend
 from planner.numerics.arrays import Array
 from planner.planning.algorithm import Plan, plan, plan_of_flows
-from planner.planning.paths import line, message
+from planner.planning.paths import line
 from planner.planning.plane import Plane
 from planner.planning.rates import declared_or_derived, rate_along, vanishes
 from planner.planning.rollouts import play

@@ -14,12 +14,12 @@ from itertools import takewhile
 import numpy as np
 from numpy.typing import ArrayLike
 
-from planner.errors import StratumError, point
+from planner.errors import StratumError, message, point
 from planner.execution.execution import Execution
 from planner.extension.extended import ExtendedSystem
 from planner.numerics.arrays import Array
 from planner.planning.algorithm import Plan, plan
-from planner.planning.paths import line, message
+from planner.planning.paths import line
 from planner.systems.flows import Flow
 from planner.systems.shape import ShapeCoordinates
 from planner.systems.strata import StratifiedSystem

@@ -16,13 +16,13 @@ from typing import Protocol
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from planner.errors import PlannerError, ResolutionError, point
+from planner.errors import PlannerError, ResolutionError, message, point
 from planner.execution.execution import Execution
 from planner.extension.choice import Choice, choose_elements
 from planner.extension.extended import KEPT, ExtendedSystem, extend
 from planner.numerics.arrays import ROUNDING, Array
 from planner.numerics.collocation import collocation
-from planner.planning.paths import Path, grid, message
+from planner.planning.paths import Path, grid
 from planner.systems.flows import Flow, flow_map
 from planner.systems.strata import StratifiedSystem
 

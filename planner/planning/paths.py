@@ -13,11 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from planner.numerics.arrays import Array
-from planner.support.files import sentences
 
 COLUMNS = ("x", "y", "yaw")  # [m], [m], [rad]
 ARC_PRECISION = 1e-12  # of the arc length, relative
-message = sentences("planner.planning", "refusals.toml")
 
 
 @dataclass(frozen=True, eq=False)

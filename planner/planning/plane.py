@@ -16,9 +16,8 @@ from itertools import permutations
 import numpy as np
 import sympy as sp
 
-from planner.errors import PlannerError, point
+from planner.errors import PlannerError, message, point
 from planner.numerics.arrays import Array
-from planner.planning.paths import message
 from planner.planning.rollouts import play
 from planner.systems.fields import CompiledFields, compile_fields, sample_configurations
 from planner.systems.flows import Flow

@@ -7,9 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 import sympy as sp
 
-from planner.errors import PlannerError
+from planner.errors import PlannerError, message
 from planner.numerics.arrays import Array
-from planner.planning.paths import message
 from planner.systems.fields import Symbols, sample_configurations
 
 NEARBY = 0.3  # of the random configurations at which expressions are compared

@@ -17,13 +17,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from planner.errors import ConvergenceError, PlannerError, RangeError
+from planner.errors import ConvergenceError, PlannerError, RangeError, message
 from planner.execution.execution import CHOICES, Execution
 from planner.extension.extended import ExtendedSystem
 from planner.numerics.arrays import Array
 from planner.planning.algorithm import Plan, assemble, follow_path, with_remedy
 from planner.planning.nominal import fictitious_inputs_along, require_segments, sample
-from planner.planning.paths import Path, as_path, grid, line, message
+from planner.planning.paths import Path, as_path, grid, line
 from planner.planning.rollouts import play
 from planner.support.stopping import tick
 

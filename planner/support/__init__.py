@@ -11,14 +11,13 @@ from planner.errors import (
     point as point,
     unknown as unknown,
 )
+from planner.messages import sentences as sentences, shipped_tables as shipped_tables
 from planner.support.files import (
     open_file as open_file,
     read_file as read_file,
     read_text as read_text,
     remove_unfinished as remove_unfinished,
     require_space as require_space,
-    sentences as sentences,
-    shipped_tables as shipped_tables,
     whole_file as whole_file,
 )
 from planner.support.stopping import (

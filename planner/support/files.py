@@ -10,13 +10,11 @@ import errno
 import os
 import shutil
 import stat
-import tomllib
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from importlib.resources import files
 from pathlib import Path
 from secrets import token_hex
-from typing import Any, BinaryIO
+from typing import BinaryIO
 
 LARGEST_TEXT = 10**7  # bytes of a text that somebody has written
 _unfinished: set[Path] = set()
@@ -96,17 +94,6 @@ def read_text(path: Path | str, largest: int = LARGEST_TEXT) -> str:
         return read_file(path, largest).decode("utf-8-sig")  # spreadsheets mark it
     except UnicodeDecodeError as error:
         raise ValueError(f"byte {error.start + 1} is no text in UTF-8") from None
-
-
-def shipped_tables(package: str, name: str) -> dict[str, Any]:
-    """The tables of a TOML file that lies in one of our packages."""
-    return tomllib.loads((files(package) / name).read_text("utf-8"))
-
-
-def sentences(package: str, name: str) -> Callable[..., str]:
-    """Says a sentence of such a file by its key, facts put in where they belong."""
-    tables = shipped_tables(package, name)
-    return lambda key, /, **facts: str(tables[key]).format(**facts)
 
 
 def _flush(path: Path) -> None:

@@ -10,14 +10,13 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from planner.errors import point, require_known
+from planner.errors import message, point, require_known
 from planner.systems.fields import (
     DIFFERENCE,
     NumericField,
     Symbols,
     VectorField,
     central_difference,
-    message,
     sample_configurations,
 )
 from planner.systems.formulas import HUGE, RESERVED, read_formula

@@ -16,9 +16,8 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike
 
-from planner.errors import FieldError, PlannerError, SingularConfigurationError
+from planner.errors import FieldError, PlannerError, SingularConfigurationError, message
 from planner.numerics.arrays import Array
-from planner.support.files import sentences
 
 Symbols = tuple[sp.Symbol, ...]
 VectorField = Any  # sp.ImmutableMatrix of shape (n, 1), or a NumericField
@@ -26,7 +25,6 @@ VectorField = Any  # sp.ImmutableMatrix of shape (n, 1), or a NumericField
 DIFFERENCE = 0.02  # of central differences; the extrapolation's error is of sixth order
 PROBES = 12  # random points; an analytic field that vanishes at all of them is zero
 
-message = sentences("planner.systems", "refusals.toml")
 KINKS = {"DiracDelta": lambda x, *_: np.where(x == 0, np.nan, 0.0)}
 """Derivative of `sign`: zero, except at the jump, where there is none."""
 

@@ -17,10 +17,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from planner.errors import StratumError, require_known
+from planner.errors import StratumError, message, require_known
 from planner.numerics.arrays import Array
 from planner.numerics.collocation import STEP_NODES, follow, follow_all
-from planner.systems.fields import message
 from planner.systems.strata import StratifiedSystem
 
 

@@ -13,9 +13,9 @@ from itertools import chain
 
 import numpy as np
 
-from planner.errors import RangeError, require_known
+from planner.errors import RangeError, message, require_known
 from planner.numerics.arrays import Array
-from planner.systems.fields import NumericField, message
+from planner.systems.fields import NumericField
 from planner.systems.flows import Flow
 from planner.systems.strata import StratifiedSystem
 

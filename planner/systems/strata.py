@@ -18,7 +18,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike
 
-from planner.errors import StratumError, point, require_known
+from planner.errors import StratumError, message, point, require_known
 from planner.numerics.arrays import Array
 from planner.numerics.subspaces import directions_beyond
 from planner.systems.declaration import (
@@ -33,7 +33,6 @@ from planner.systems.fields import (
     Symbols,
     VectorField,
     compile_fields,
-    message,
 )
 from planner.systems.level_sets import LevelSet
 

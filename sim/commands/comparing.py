@@ -14,7 +14,7 @@ from sim import palette
 from sim.commands import options as cli
 from sim.endings import command, keeping
 from sim.errors import UsageError
-from sim.folder import RunFolder, blamed_on, claim, new_file, whole
+from sim.folder import blamed_on, claim, new_file, whole
 from sim.progress import bar
 from sim.reports import comparison
 from sim.reports.tables import Table
@@ -48,7 +48,8 @@ def compare(options: argparse.Namespace) -> None:
         if path is not None:
             with blamed_on(runs[0].folder):
                 text = comparison.page(compared, progress)
-            RunFolder(path.parent).write_text(path.name, text)
+            with whole(path, new=True) as part:
+                part.write_text(text, "utf-8")
     tables = {"settings": compared.differences, "results": compared.results}
     tables |= {"drift": compared.drift, "left": compared.left}
     facts = {  # a row a run, in the order given

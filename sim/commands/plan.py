@@ -61,15 +61,15 @@ def plan(options: argparse.Namespace) -> None:
         with bar(quiet=options.json) as progress, refused(source):
             planned, shown = _system(options, progress)
     facts, text = shown
-    if options.save:
-        with refused(options.save), whole(Path(options.save), new=True) as part:
-            save_plan(planned, part)
     if options.flows:
         facts["flows"] = planned.flows
         text = "\n".join([*map(str, planned.flows), "", text])
     if options.out:
         _draw(Path(source).stem, planned, Path(options.out))
         text += f"\npicture   {options.out}"
+    if options.save:
+        with refused(options.save), whole(Path(options.save), new=True) as part:
+            save_plan(planned, part)
     cli.report(options, facts, text)
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from sim.commands import options as cli
 from sim.endings import again, command, keeping
 from sim.errors import ExitCode, UsageError
-from sim.folder import RunFolder, blamed_on, ensure_folder, new_file
+from sim.folder import blamed_on, ensure_folder, new_file, whole
 from sim.progress import bar
 from sim.scenarios.predictions import prediction_key
 from sim.studies import maps
@@ -121,7 +121,8 @@ def study(options: argparse.Namespace) -> None:
         found = findings(results)
         if paged:
             text = maps.page(results.fitted(), found, given, folder)
-            RunFolder(folder).write_text(out.name, text)
+            with whole(out, new=True) as part:
+                part.write_text(text, "utf-8")
             made: dict[str, object] = {"page": str(out)}
             lines = [f"{'page':8}{out}"]
         else:
@@ -150,7 +151,8 @@ def design(options: argparse.Namespace) -> None:
             rows.append(row)
             progress("designs", len(rows) / count)
     if path is not None:
-        write_table(path, rows, {"robot": options.robot, "software": software()})
+        about = {"robot": options.robot, "software": software()}
+        write_table(path, rows, about, new=True)
     cli.report(options, rows, render("designs.txt", designs=_by_joints(rows)))
 
 

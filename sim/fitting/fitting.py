@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import os
+import reprlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
@@ -26,6 +27,8 @@ from sim.folder import require_free, whole
 from sim.logs.log import Log
 from sim.preparation.setup import Setup
 from sim.preparation.shared import built
+from sim.scenarios.declaration import read
+from sim.scenarios.settings import SETTINGS
 
 SERVO = parameters_of("servo")
 MAKE = (0, 1, 3, 5)  # parameters of a make; dead band and zero are a servo's own
@@ -182,7 +185,17 @@ def _scanned(commanded: Commanded, rows: Array, measured: Array, start: Array) -
 
 
 def card_text(robot: Robot, fitted: Fitted, sources: Sequence[str]) -> str:
-    """The robot's card with settings that were fitted, in place of earlier ones."""
+    """The robot's card with settings that were fitted, in place of earlier ones.
+
+    What is beyond all that walks take is a UsageError.
+    """
+    for key, (value, _) in fitted.items():
+        try:
+            read(value, SETTINGS[key].kind)
+        except ValueError:
+            what = f"{key} = {reprlib.repr(value)} was found, and no walk takes it"
+            remedy = "check units and zeros of the log, or calibrate the robot first"
+            raise UsageError(what, ", ".join(sources), remedy) from None
     lines = [f"{key} = {json.dumps(value)}" for key, (value, _) in fitted.items()]
     errors = [f"{key} = {json.dumps(error)}" for key, (_, error) in fitted.items()]
     came = f"source = {json.dumps(list(sources), ensure_ascii=False)}"

@@ -24,7 +24,9 @@ ABOUT = "stratawalk"  # key of the metadata
 Row = Mapping[str, object]
 
 
-def write_table(path: Path, rows: Sequence[Row], about: Mapping[str, object]) -> None:
+def write_table(
+    path: Path, rows: Sequence[Row], about: Mapping[str, object], new: bool = False
+) -> None:
     """Write the rows as they are given, as a whole file or not at all.
 
     What a row lacks is null. What the rows come from is kept in the file's metadata.
@@ -33,7 +35,7 @@ def write_table(path: Path, rows: Sequence[Row], about: Mapping[str, object]) ->
     columns = [_column([row.get(name) for row in rows]) for name in names]
     metadata = {ABOUT: json.dumps(about, sort_keys=True)}
     table = pa.table(columns, names=names).replace_schema_metadata(metadata)
-    with whole(path, table.nbytes // 4) as part:
+    with whole(path, table.nbytes // 4, new=new) as part:
         parquet.write_table(table, part, compression="zstd", row_group_size=GROUP_ROWS)
 
 

@@ -14,6 +14,13 @@ from sim.studies.results import read_results
 OF_LIBRARIES = r"Error|Expecting|zip|ufunc|thrift|magic|Could not|index out|loop with"
 
 
+def test_a_refusal_without_advice_ends_with_its_place():
+    refused = UsageError.at("the card", ValueError("it has no number"))
+    assert str(refused) == "it has no number: the card"
+    advised = UsageError.at("the card", ValueError("it has no number; give one"))
+    assert str(advised) == "it has no number: the card; give one"
+
+
 @pytest.mark.parametrize(
     ("name", "text", "said"),
     [

@@ -55,8 +55,16 @@ def test_a_bus_servo_s_counts_divide_its_range(name):
 @pytest.mark.parametrize(
     ("name", "given", "message"),
     [
-        ("pulse", {}, "give stall_torque and no_load_speed of its data sheet"),
-        ("bus", {"stall_torque": 1.0}, "give no_load_speed of its data sheet"),
+        (
+            "pulse",
+            {},
+            "it has no stall_torque and no no_load_speed; give what its data",
+        ),
+        (
+            "bus",
+            {"stall_torque": 1.0},
+            "it has no no_load_speed; give what its data sheet says",
+        ),
         ("no-such", {}, "it "),
         ("sg90", {"volt": 5.0}, "a servo has no 'volt'; did you mean 'volts'"),
     ],
