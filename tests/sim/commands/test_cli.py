@@ -291,6 +291,8 @@ def test_unforeseen_error_is_a_bug_of_ours_and_says_where(monkeypatch, capsys):
 
 
 def test_a_closed_standard_input_is_an_empty_one(tmp_path):
+    (tmp_path / "new").mkdir()
+    (tmp_path / "new" / "joint-12.png").touch()  # all joints are drawn already
     asked = f"{sys.executable} -m sim.start calibrate hexapod --out new <&-"
     done = subprocess.run(asked, shell=True, cwd=tmp_path, capture_output=True)
     assert done.returncode == 2
