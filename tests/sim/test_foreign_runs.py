@@ -16,13 +16,21 @@ from tests.commands import refusal, run
 from tests.sim.test_damaged_runs import COMMANDS
 
 
+@pytest.fixture(scope="module")
+def other(tmp_path_factory):
+    """The folder of another walk."""
+    folder = tmp_path_factory.mktemp("other") / "run"
+    goal = ("--set", "path.goal=[0.004,0,0]", "--segments", "1")
+    only = ("--set", 'predictions=["quasi_static"]')
+    words = ("run", "line", *goal, *only, "--no-video", "--out", str(folder))
+    assert main(words) == 0
+    return folder
+
+
 @pytest.mark.physics
 @pytest.mark.parametrize("file", ["commands.npz", "trajectory.npz", "summary.json"])
-def test_files_of_another_walk_are_refused(folder, tmp_path, capsys, file):
+def test_files_of_another_walk_are_refused(other, folder, tmp_path, capsys, file):
     """What is exported from them would go to the servos of a robot."""
-    other = tmp_path / "other"
-    goal = ("--set", "path.goal=[0.004,0,0]", "--segments", "1")
-    assert main(["run", "line", *goal, "--no-video", "--out", str(other)]) == 0
     shutil.copy(other / file, folder)
     capsys.readouterr()
     words = ("export", str(folder), "--format", "csv", "--out", str(tmp_path / "e.csv"))
