@@ -40,13 +40,41 @@ def run(words, folder, stdout=PIPE, stderr=PIPE, **environment):
             stderr=stderr,
             text=True,
         )
-    with tempfile.TemporaryDirectory() as outputs:
-        paths = [Path(outputs, name) for name in ("stdout", "stderr")]
-        process = FORKS.Process(target=_run, args=(words, folder, OUTSIDE, *paths))
-        process.start()
-        process.join()
-        texts = (path.read_text() for path in paths)
-        return subprocess.CompletedProcess(words, process.exitcode, *texts)
+    begun = Begun(words, folder)
+    texts = begun.communicate()
+    return subprocess.CompletedProcess(words, begun.returncode, *texts)
+
+
+class Begun:
+    """The command in a fork of a process that has loaded all libraries; as `Popen`."""
+
+    def __init__(self, words, folder, environment=OUTSIDE):
+        self._outputs = tempfile.TemporaryDirectory()
+        self._paths = [Path(self._outputs.name, name) for name in ("stdout", "stderr")]
+        given = [str(word) for word in words], folder, environment, *self._paths
+        self._process = FORKS.Process(target=_run, args=given)
+        self._process.start()
+        self.pid = self._process.pid
+
+    @property
+    def returncode(self):
+        """Its exit code; None while it runs."""
+        return self._process.exitcode
+
+    def poll(self):
+        """The same."""
+        return self._process.exitcode
+
+    def send_signal(self, number):
+        """Send it a signal."""
+        os.kill(self.pid, number)
+
+    def communicate(self, timeout=None):
+        """What it has printed until its end, and its messages."""
+        self._process.join(timeout)
+        assert self.returncode is not None
+        with self._outputs:
+            return [path.read_text() for path in self._paths]
 
 
 def _run(words, folder, environment, *paths):

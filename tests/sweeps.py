@@ -29,13 +29,11 @@ def command(*words):
     return [sys.executable, "-m", "sim.cli", *map(str, words)]
 
 
-def stratawalk(*words, env=ENV, timeout=300):
-    """Run the command; its result with its messages."""
-    if env is ENV:
-        return commands.run(words, os.getcwd())
-    return subprocess.run(
-        command(*words), env=env, capture_output=True, text=True, timeout=timeout
-    )
+def stratawalk(*words, env=ENV):
+    """Run the command; its result with its messages. Its workers begin anew."""
+    begun = commands.Begun(words, os.getcwd(), env)
+    texts = begun.communicate(300)
+    return subprocess.CompletedProcess(words, begun.returncode, *texts)
 
 
 class Here:

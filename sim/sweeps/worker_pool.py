@@ -34,6 +34,7 @@ try:
     from distributed.comm import connect
     from distributed.deploy.spec import close_clusters
     from distributed.scheduler import NoValidWorkerError, NoWorkerError
+    from distributed.utils import get_mp_context
 except ValueError as refusal:  # of a file of settings in Dask's own folders
     what, remedy = str(refusal), "correct the file, or unset DASK_CONFIG"
     raise UsageError(what, "settings of Dask", remedy) from None
@@ -48,6 +49,7 @@ QUIET = {
     "distributed.scheduler.worker-ttl": None,
     "distributed.comm.timeouts.tcp": "600s",
     "distributed.deploy.lost-worker-timeout": "1h",  # its successor may start slowly
+    "distributed.worker.multiprocessing-method": "forkserver",  # which loads all once
 }
 GONE = (KilledWorker, NoValidWorkerError, NoWorkerError)
 """What Dask says of work whose worker is no more."""
@@ -239,6 +241,7 @@ def open_pool(workers: int, scheduler: str | None) -> Iterator[WorkerPool]:
         logging.getLogger(name).setLevel(logging.CRITICAL)
     logging.getLogger("distributed").handlers[:] = [logging.NullHandler()]
     dask.config.set(QUIET)
+    get_mp_context().set_forkserver_preload([__name__])
     with ExitStack() as stack:
         local = _local(stack, workers) if scheduler is None else None
         at = scheduler if local is None else local

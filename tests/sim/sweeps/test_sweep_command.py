@@ -4,7 +4,6 @@ import json
 import re
 import shutil
 import signal
-import subprocess
 import time
 
 import duckdb
@@ -17,8 +16,8 @@ from sim.cli import main
 from sim.simulation import simulate
 from sim.sweeps.file import read_sweep
 from sim.sweeps.worker_pool import numbers
-from tests.commands import told
-from tests.sweeps import ENV, command, stratawalk, walked_here, write_sweep
+from tests.commands import Begun, told
+from tests.sweeps import stratawalk, walked_here, write_sweep
 
 pytestmark = pytest.mark.physics
 VARIES = '[grid]\nfriction = [0.4, 1.0]\nstance = ["centred", "paper"]\n'
@@ -274,13 +273,7 @@ def test_a_sweep_that_is_interrupted_says_how_far_it_is_and_how_to_go_on(tmp_pat
     file = write_sweep(tmp_path, varies)
     file.write_text(file.read_text().replace("timestep = 0.002\nhold = 0.1\n", "", 1))
     ledger = tmp_path / "out" / "ledger.jsonl"
-    process = subprocess.Popen(
-        command("sweep", file, "--out", tmp_path / "out", "--workers", 1),
-        env=ENV,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
+    process = Begun(("sweep", file, "--out", tmp_path / "out", "--workers", 1), ".")
     while process.poll() is None and not (ledger.exists() and ledger.stat().st_size):
         time.sleep(0.05)
     time.sleep(1.0)  # until the line is on the disk, and its point counted

@@ -1,15 +1,15 @@
 """Workers that die, workers of a real Dask cluster, and workers with other software."""
 
-import gc
 import os
 import random
 import signal
 import socket
-import subprocess
 import sys
 import time
 import warnings
 from contextlib import contextmanager, suppress
+from importlib import import_module
+from multiprocessing import forkserver
 from threading import Thread
 
 import pandas
@@ -18,17 +18,15 @@ import pytest
 from distributed import Future
 
 from sim.cli import main
-from sim.errors import SweepError
 from sim.sweeps.file import read_sweep
 from sim.sweeps.folder import Shard
 from sim.sweeps.ledger import ALIKE, read_ledger, software
 from sim.sweeps.sweeping import points_of
 from sim.sweeps.worker_pool import Task, WorkerPool, open_pool
 from sim.versions import PACKAGES
-from tests.commands import told
+from tests.commands import FORKS, Begun, told
 from tests.sweeps import (
     ENV,
-    command,
     poisoned,
     stratawalk,
     walked_here,
@@ -37,21 +35,34 @@ from tests.sweeps import (
 
 pytestmark = pytest.mark.physics
 POISON = "[grid]\nfriction = [0.5, 0.666, 0.8]\n"
-DASK = [sys.executable, "-m", "distributed.cli.dask_{}"]
+
+
+@pytest.fixture(autouse=True, scope="module")
+def warm():
+    """Commands are forked from what has loaded them, whatever pools load first."""
+    forkserver.ensure_running()
 
 
 @contextmanager
 def running(kind, *words, env=ENV):
     """A process of Dask's own command line, for as long as the block runs."""
-    command = [word.format(kind) for word in DASK] + list(map(str, words))
-    process = subprocess.Popen(
-        command, env=env, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    )
+    process = FORKS.Process(target=dask, args=(kind, list(map(str, words)), env))
+    process.start()
     try:
         yield process
     finally:
         process.terminate()
-        process.wait(60)
+        process.join(60)
+
+
+def dask(kind, words, env):
+    """Be that command line; libraries are loaded anew where they are others there."""
+    os.dup2(os.open(os.devnull, os.O_RDWR), 1)
+    os.dup2(1, 2)
+    module = f"distributed.cli.dask_{kind}"
+    if env != ENV:
+        os.execve(sys.executable, [sys.executable, "-m", module, *words], env)
+    import_module(module).main(words)
 
 
 @contextmanager
@@ -144,9 +155,7 @@ def test_a_scheduler_that_is_lost_takes_no_point_with_it(tmp_path):
     ledger = out / "ledger.jsonl"
     with cluster(tmp_path) as address:
         words = ("sweep", file, "--out", out, "--scheduler", address)
-        process = subprocess.Popen(
-            command(*words), env=ENV, stderr=subprocess.PIPE, text=True
-        )
+        process = Begun(words, tmp_path)
         while process.poll() is None and not (
             ledger.exists() and ledger.stat().st_size
         ):
@@ -287,10 +296,10 @@ def test_what_a_worker_takes_with_it_is_done_again(monkeypatch, client):
     assert found == ["name is missing: the sweep; give name"]
 
 
-@pytest.mark.filterwarnings("ignore")  # of what Dask leaves behind
-def test_a_worker_that_dies_as_it_starts_ends_the_sweep(monkeypatch, tmp_path):
+def test_a_worker_that_dies_as_it_starts_ends_the_sweep(tmp_path):
     (tmp_path / "sitecustomize.py").write_text("import os\nos._exit(1)\n")
-    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
-    with pytest.raises(SweepError, match="a worker died as it started: 1 here; "):
-        open_pool(1, None).__enter__()
-    gc.collect()
+    words = ("sweep", write_sweep(tmp_path, POISON), "--out", tmp_path / "out")
+    done = stratawalk(*words, env=ENV | {"PYTHONPATH": str(tmp_path)})
+    assert done.returncode == 8
+    (line,) = told(done.stderr)
+    assert "a worker died as it started: " in line
