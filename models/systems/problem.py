@@ -142,8 +142,8 @@ class Problem:
 
     def largest_fold(self, plan: Plan) -> float:
         """The largest angle at a hitch on the way of a plan [rad]; 0 without any."""
-        angles = sp.lambdify(self.system.state, self.hitches)(*rollout(plan, SEEN).T)
-        return max((float(np.abs(angle).max()) for angle in angles), default=0.0)
+        bends = sp.lambdify(self.system.state, self.hitches, np)(*rollout(plan, SEEN).T)
+        return max((float(np.abs(bend).max()) for bend in bends), default=0.0)
 
     @property
     def open_loop(self) -> Execution:

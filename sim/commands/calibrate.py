@@ -51,9 +51,10 @@ def calibrate(options: argparse.Namespace) -> None:
     if options.check:
         facts = _check(robot, kind, folder)
     else:
+        ask = _Asker(options.answers)
         _prepare(robot, kind, folder, options)
         with redirect_stdout(sys.stderr) if options.json else nullcontext():
-            facts = _calibrated(robot, kind, folder, options)
+            facts = _calibrated(robot, kind, folder, ask)
     cli.report(options, facts, *(f"{name:13}{value}" for name, value in facts.items()))
 
 
@@ -111,14 +112,14 @@ def _owned(robot: Robot, folder: RunFolder, options: argparse.Namespace) -> Robo
 
 
 def _calibrated(
-    robot: Robot, kind: ServoKind, folder: RunFolder, options: argparse.Namespace
+    robot: Robot, kind: ServoKind, folder: RunFolder, ask: _Asker
 ) -> Mapping[str, str]:
     """Ask for every servo that the card does not have, and write it at once."""
-    card, file = robot.card, robot.path.with_suffix(".toml")
+    card, number = robot.card, len(robot.card.joints)
+    file = robot.path.with_suffix(".toml")
     known, pulse = dict(card.joint_servos), kind.signal == "pulse"
     clock = card.board_clock if "board" in parse_toml(robot.card_text) else None
     _require_room(robot)
-    ask, number = _Asker(options.answers), len(card.joints)
 
     def kept() -> str:
         return f"{file} keeps {len(known)} of {number} servos; go on: {again()}"
