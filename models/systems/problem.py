@@ -22,7 +22,6 @@ from planner import (
     aim,
     line,
     plan,
-    rollout,
 )
 from planner.execution import Coordinates, StanceRule
 from planner.planning import (
@@ -35,7 +34,6 @@ from planner.planning import (
 from planner.support import unknown
 from planner.systems import ShapeCoordinates, ShapeLimits
 
-SEEN = 20  # states of each flow at which folded trailers are looked for
 OVERFLOWING = 1e100  # of a coordinate; derivatives at larger ones overflow
 State = Mapping[str, float]  # values of coordinates by name
 Words = Literal["printed", "shortest", "symmetric"]
@@ -140,9 +138,9 @@ class Problem:
             return plan_between(self.extended, *ends, self.segments, self.open_loop)
         return plan(self.extended, self.path, self.segments, execution=self.open_loop)
 
-    def largest_fold(self, plan: Plan) -> float:
-        """The largest angle at a hitch on the way of a plan [rad]; 0 without any."""
-        bends = sp.lambdify(self.system.state, self.hitches, np)(*rollout(plan, SEEN).T)
+    def largest_fold(self, way: Array) -> float:
+        """The largest angle at a hitch on a way (states, n) [rad]; 0 without any."""
+        bends = sp.lambdify(self.system.state, self.hitches, np)(*way.T)
         return max((float(np.abs(bend).max()) for bend in bends), default=0.0)
 
     @property

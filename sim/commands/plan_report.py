@@ -137,7 +137,7 @@ def of_system(
     name: str,
     planned: Plan,
     prospect: Prospect | None = None,
-    folded: Callable[[Plan], float] | None = None,
+    folded: Callable[[Array], float] | None = None,
 ) -> Report:
     """A system's plan, played; coordinates by name."""
     system, reached = planned.system, rollout(planned)[-1]
@@ -145,8 +145,9 @@ def of_system(
     def named(state: Array) -> dict[str, float]:
         return dict(zip(map(str, system.state), state.tolist(), strict=True))
 
-    largest = abs(rollout(planned, SAMPLES)).max(axis=0)
-    fold = {"largest": named(largest), "largest_fold": folded and folded(planned)}
+    way = rollout(planned, SAMPLES)
+    largest = named(abs(way).max(axis=0))
+    fold = {"largest": largest, "largest_fold": folded and folded(way)}
     further = fold | (asdict(prospect) if prospect else {})
     facts = {
         "system": name,

@@ -82,7 +82,8 @@ def test_the_largest_angle_at_a_hitch_is_that_of_neighbouring_headings(
     values = {"trailers": len(headings) - 1} if name == "car-trailers" else {}
     problem = replace(shipped_system(name, values), goal={"y": 1}, segments=1)
     names = [str(symbol) for symbol in problem.system.state]
-    way = rollout(once := problem.plan(), 20)[:, [names.index(h) for h in headings]]
-    largest = np.abs(np.diff(way, axis=1)).max(initial=0.0)
-    assert problem.largest_fold(once) == pytest.approx(largest)
+    way = rollout(problem.plan(), 20)
+    angles = np.diff(way[:, [names.index(heading) for heading in headings]], axis=1)
+    largest = np.abs(angles).max(initial=0.0)
+    assert problem.largest_fold(way) == pytest.approx(largest)
     assert bool(largest > np.pi / 2) is folded

@@ -163,7 +163,7 @@ def test_a_system_is_told_its_way_and_what_it_misses():
 
     problem = shipped_system("unicycle")
     planned = problem.plan()
-    facts, text = of_system("unicycle", planned, folded=lambda plan: 0.25)
+    facts, text = of_system("unicycle", planned, folded=lambda way: 0.25)
     assert facts["largest_fold"] == 0.25
     assert facts["flow_count"] == len(planned.flows)
     assert facts["flow_time"] == pytest.approx(
