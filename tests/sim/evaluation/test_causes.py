@@ -175,6 +175,27 @@ def test_a_plan_that_misses_on_paper_asks_for_segments_or_another_prediction(evi
     assert "the plan itself" not in none
 
 
+@pytest.mark.parametrize(
+    ("own", "other", "said"),
+    [
+        (0.2, 0.0, ""),  # half of what the walk misses
+        (0.21, 0.105, "--steer quasi-static finds a plan"),
+        (0.4, 0.2, "--steer quasi-static finds a plan"),
+        (0.4, 0.21, "or plan again on the way"),
+    ],
+)
+def test_what_a_plan_misses_counts_from_half_of_what_is_missed(
+    evidence, own, other, said, monkeypatch
+):
+    aside = planned_aside(evidence, "quasi_static")
+    judge = aside.weighed.prediction
+    shares = {judge: own}
+    monkeypatch.setattr(Evidence, "on_paper", lambda self, key: shares.get(key, other))
+    found = likely_cause("missed", aside)
+    assert said in found
+    assert ("the plan itself misses" in found) == bool(said)
+
+
 def planned_soft(evidence, *names):
     """The compliant prediction as judge, which ends aside, as others of these names."""
     predicted = {**evidence.predicted, "compliant": evidence.predicted["quasi_static"]}

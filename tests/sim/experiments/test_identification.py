@@ -37,6 +37,24 @@ def test_a_stroke_that_turns_on_beyond_half_a_turn_is_told_without_a_jump(monkey
     assert poses[:, 1].tolist() == ways.tolist()
 
 
+def test_a_stroke_back_goes_back_and_shorter_where_the_long_one_fails(monkeypatch):
+    tried = []
+
+    def swing(setup, name, span):
+        tried.append(span)
+        if abs(span) > 0.2:
+            raise MeasurementError("the robot tips over")
+        return np.array([0.0, span]), np.zeros((2, 3)), 0.0
+
+    monkeypatch.setattr(identification, "swing", swing)
+    ways, _ = identification._stroke_back(SETUP, "a", (0.3, 0.1))
+    assert (tried, ways.tolist()) == ([-0.3, -0.1], [-0.1, 0.0])
+    with pytest.raises(
+        MeasurementError, match="opposite direction: the robot tips over"
+    ):
+        identification._stroke_back(SETUP, "a", (0.4, 0.3))
+
+
 def test_a_stroke_back_that_hardly_moves_confirms_nothing(monkeypatch):
     """As of servos that are damped so much that they do not come to their commands."""
     way = np.array([-0.04, 0.0])
