@@ -189,6 +189,7 @@ def play(
 
     Raises:
         UsageError: If the motion or a setting is impossible.
+        OSError: If its file cannot be read.
         ModelError: If the robot cannot be used.
         SimulationError: If the physics diverges.
 

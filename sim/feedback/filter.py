@@ -118,6 +118,8 @@ class Feedback:
     ) -> None:
         misses = Misses() if misses is None else misses
         self.sensing, self.batch = sensing, batch
+        if not 0.0 < radius < np.inf:
+            raise ValueError(f"radius is {radius}; give a distance beyond 0 [m]")
         unit = np.array([radius, radius, 1.0])
         self.scatter, self._wander = misses.scatter * unit, misses.wander * unit
         self.pose, self.bias = np.zeros((*batch, 3)), np.zeros((*batch, 3))

@@ -256,6 +256,12 @@ def test_stops_are_numbered_and_below_a_thousand_million(old, new, said):
         assert read(changed)[0].time == 9e8
 
 
+@pytest.mark.parametrize("radius", [0.0, -0.1, np.nan, np.inf])
+def test_feet_are_at_a_distance_from_the_middle(radius):
+    with pytest.raises(ValueError, match="radius is .*; give a distance beyond 0"):
+        Feedback(Sensing(), radius)
+
+
 @pytest.mark.parametrize("step", [(np.nan, 0.0, 0.0), (0.0, np.inf, 0.0)])
 def test_a_step_that_is_not_finite_is_refused_and_changes_nothing(step):
     feedback = Feedback(CAMERA, RADIUS, MISSES)
