@@ -205,7 +205,7 @@ def film(
 
     Example:
         >>> from sim import film, load_scenario, simulate
-        >>> short = {"segments": 1, "path.goal": [0.005, 0.0, 0.0], "playback": 60}
+        >>> short = {"segments": 2, "path.goal": [0.01, 0.01, 0.0], "playback": 60}
         >>> done = simulate(load_scenario("line", short))
         >>> film(done, "mine.mp4").name  # doctest: +SKIP
         'mine.mp4'

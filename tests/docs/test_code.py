@@ -10,7 +10,7 @@ from sim.cli import main
 from tests.pages import blocks, commands
 
 SHORTER = {  # a path of 14 mm, and a film in which a minute takes a second
-    "(0.15, 0.15, 0)": "(0.01, 0.01, 0)",
+    "(0.15, 0.15, 0)": "(0.01, 0, 0)",  # as on a page, so that it is computed once
     "segments=40": "segments=2",
     "sim.walk(robot, plan)": "sim.walk(robot, plan, playback=60.0)",
 }
@@ -71,7 +71,7 @@ def test_the_library_example_of_the_readme_runs(tmp_path, monkeypatch):
     exec(compile(text, "README.md", "exec"), names)
     assert (tmp_path / "line.mp4").stat().st_size > 0
     off = names["report"].summary["error"]["quasi_static"]["position_per_path"]
-    assert off < 0.01  # 0.001 measured
+    assert off < 0.01  # 0.004 measured
 
 
 def agrees(shown, printed):
