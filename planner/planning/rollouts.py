@@ -28,6 +28,7 @@ from planner.numerics.collocation import (
     STEP_NODES,
     Collocation,
     collocation,
+    follow_all,
 )
 from planner.planning.algorithm import Plan
 from planner.systems.fields import NumericField
@@ -78,7 +79,7 @@ def play(
     states, needed = [np.asarray(start, dtype=float)], system.dimension
     if (shape := states[0].shape) != (needed,):
         raise ValueError(f"start has shape {shape}; {needed} coordinates are needed")
-    parts = flows
+    parts, shares = flows, np.arange(1, samples) / samples
     if samples > 1:
         parts = [f._replace(duration=f.duration / samples) for f in flows]
         parts = [part for part in parts for _ in range(samples)]
@@ -86,8 +87,12 @@ def play(
         together = batched(system, parts, states[0])
         if together is not None:
             return np.concatenate([states, together])
-    for flow in parts:
-        states.append(flow_map(system, flow.field, states[-1], flow.duration))
+    for flow in flows:
+        here, velocity = states[-1], system.compiled(flow.field).velocity
+        if samples > 1:
+            begins = np.tile(here, (samples - 1, 1))
+            states.extend(follow_all(velocity, begins, shares * flow.duration))
+        states.append(flow_map(system, flow.field, here, flow.duration))
     return np.array(states)
 
 

@@ -43,6 +43,12 @@ AXLE = 'flat = { along = "x - %s", across = "y - %s" }'
 
 
 @pytest.fixture
+def untried(monkeypatch):
+    """Nothing is tried that might help, which takes longer than the plans."""
+    monkeypatch.setattr("sim.problems.problem.TRIAL_TIME", 0.0)
+
+
+@pytest.fixture
 def plan(capsys, tmp_path):
     """The facts about a plan of a car with one trailer, or the refusal."""
 
@@ -56,6 +62,7 @@ def plan(capsys, tmp_path):
     return run
 
 
+@pytest.mark.usefixtures("untried")
 def test_trailers_that_fold_beyond_a_right_angle_are_warned_of(plan, capsys):
     hitched = 'hitches = ["hitch"]'
     folded = plan("--segments", "1", flat=hitched)["largest_fold"]
@@ -80,6 +87,7 @@ def test_what_converges_faster_is_offered_only_where_it_misses_less(plan):
         assert few["accuracy"]["faster"] == {**better, "degree 3": 1}
 
 
+@pytest.mark.usefixtures("untried")
 def test_flat_outputs_of_the_wrong_axle_are_told_the_right_one(plan):
     refused = plan(flat=AXLE % ("L*cos(heading)", "L*sin(heading)"))
     assert "turn changes their slope of order 1, and may change only that" in refused
