@@ -17,7 +17,7 @@ from sim import cli
 from sim.commands.declared import COMMANDS
 from sim.errors import exit_code, one_line
 from sim.scenarios.file import load_scenario, shipped_scenarios
-from tests.commands import COMMAND, OUTSIDE, refusal, told
+from tests.commands import OUTSIDE, Begun, refusal, told
 
 SHORT = ("run", "line", "--segments", "1", "--set", "path.goal=[0.005, 0.005, 0]")
 """A walk of one segment and a few seconds."""
@@ -206,10 +206,11 @@ def test_written_scenario_runs_again_to_the_same_numbers(stratawalk, tmp_path):
 
 
 @pytest.mark.physics
-def test_run_without_a_driver_warns_in_one_line_and_walks(stratawalk, tmp_path):
-    done = stratawalk(*QUICK, MUJOCO_GL="disabled")
-    assert done.returncode == 0
-    (line,) = told(done.stderr)
+def test_run_without_a_driver_warns_in_one_line_and_walks(tmp_path):
+    process = Begun(QUICK, tmp_path, OUTSIDE | {"MUJOCO_GL": "disabled"})
+    _, said = process.communicate()
+    assert process.returncode == 0
+    (line,) = told(said)
     assert line.startswith("stratawalk: warning: no film: ")
     assert (tmp_path / "runs" / "line-001" / "summary.json").exists()
 
@@ -228,16 +229,10 @@ def test_film_that_cannot_be_drawn_is_refused_before_the_walk(stratawalk, tmp_pa
 )
 def test_signal_ends_a_run_with_one_line_and_whole_files(tmp_path, sent, code):
     words = ("run", "line", "--segments", "400", "--no-video", "--out", "here")
-    process = subprocess.Popen(
-        [*COMMAND, *words],
-        cwd=tmp_path,
-        env=OUTSIDE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
+    process = Begun(words, tmp_path)
     while not (tmp_path / "here" / "model.xml").exists():
         assert process.poll() is None
-        time.sleep(0.05)
+        time.sleep(0.02)
     process.send_signal(sent)
     _, stderr = process.communicate(timeout=30)
     assert process.returncode == code
