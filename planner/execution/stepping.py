@@ -16,7 +16,7 @@ from math import ceil
 
 import numpy as np
 
-from planner.errors import StratumError
+from planner.errors import StratumError, message
 from planner.execution.centring import SHORTEST_RECOVERY
 from planner.numerics.arrays import Array
 from planner.systems.flows import Flow, merged
@@ -81,16 +81,11 @@ class _Legs:
         rates = np.nan_to_num(self.shape.rates[flow.field])
         for i, (low, high) in self.spans.items():
             if rates[i] and i not in self.recoveries:
-                raise StratumError(
-                    f"{flow.field} moves {self.shape.names[i]} in a stroke, and no "
-                    "field is its recovery; the legs cannot be repositioned"
-                )
+                name = self.shape.names[i]
+                raise StratumError(message("no_recovery", field=flow.field, name=name))
             if rates[i] and not low < 0 < high:
-                raise StratumError(
-                    f"{flow.field} makes strokes of {self.shape.names[i]} around zero, "
-                    f"which is not inside its range {low:g} to {high:g}; give it a "
-                    "range on both sides of zero"
-                )
+                facts = {"name": self.shape.names[i], "low": low, "high": high}
+                raise StratumError(message("around_zero", field=flow.field, **facts))
         parts = self._parts(flow.duration * rates)
         part = flow._replace(duration=flow.duration / parts)
         for _ in range(parts):
@@ -113,11 +108,7 @@ class _Legs:
             ends = ({i: side * way[i] / parts for i in rest} for side in (-0.5, 0.5))
             if all(self._moves(rest, end) is not None for end in ends):
                 return parts
-        raise StratumError(
-            "legs cannot be repositioned one after another from where they are all at "
-            "zero: the robot would tip; put the weight where a leg can lift, or form "
-            "groups of legs that stand in turn"
-        )
+        raise StratumError(message("tips"))
 
     def set(self, targets: Mapping[int, float]) -> list[Flow]:
         """Bring coordinates to their targets by recoveries in a stable order."""

@@ -22,7 +22,7 @@ import sympy as sp
 from numpy.typing import ArrayLike
 from sympy.polys.rings import ring
 
-from planner.errors import ConvergenceError
+from planner.errors import ConvergenceError, message
 from planner.lie.free_lie import LieAlgebra, lie_algebra
 from planner.lie.hall import Element
 from planner.numerics.arrays import Array
@@ -181,11 +181,7 @@ def backward(
 
     def inputs(t: float) -> Array:
         if next(evaluations) > EVALUATIONS:
-            raise ConvergenceError(
-                f"inputs still change from one time to the next at {t:.6g}, after "
-                f"{EVALUATIONS} evaluations (eq. 9); make them smooth but for a few "
-                "jumps"
-            )
+            raise ConvergenceError(message("unsmooth", time=t, count=EVALUATIONS))
         return algebra.vector(v(t), f"inputs at {t:.6g}")
 
     h = np.zeros(len(algebra.basis))
@@ -214,10 +210,8 @@ def _adapted(
     if change <= HALVING_TOLERANCE * (1.0 + np.abs(second).max()):
         return second
     if length < SHORTEST_INTERVAL:
-        raise ConvergenceError(
-            f"inputs at {time:.6g} move the Hall coordinates by {change:.3g} within "
-            f"{length:.3g} of unit time (eq. 9); keep them bounded"
-        )
+        facts = {"time": time, "change": change, "length": length}
+        raise ConvergenceError(message("unbounded", **facts))
     first = _adapted(algebra, inputs, time, half, start)
     return _adapted(algebra, inputs, middle, half, first)
 

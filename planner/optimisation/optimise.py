@@ -12,7 +12,7 @@ from typing import Literal
 
 import numpy as np
 
-from planner.errors import BoundError
+from planner.errors import BoundError, message
 from planner.execution.execution import Execution
 from planner.extension.extended import ExtendedSystem
 from planner.numerics.arrays import Array
@@ -184,10 +184,7 @@ class Optimiser:
         if best is None:
             raise BoundError(f"the best plan found {violations.message(self.task)}")
         if best[0] > LARGEST_MISS and not interrupted:
-            raise BoundError(
-                f"the best plan found misses its goal by {best[0]:.2g} times the "
-                "motion of a unit of its strokes; give larger tolerances"
-            )
+            raise BoundError(message("best_misses", missed=best[0]))
         return best[1]
 
     def _again(

@@ -15,7 +15,7 @@ from itertools import chain
 
 import numpy as np
 
-from planner.errors import PlannerError, StratumError
+from planner.errors import PlannerError, StratumError, message
 from planner.numerics.arrays import Array
 from planner.systems.elements import leaves, parse
 from planner.systems.fields import NumericField, VectorField
@@ -67,17 +67,11 @@ def cycle(system: StratifiedSystem, elements: Sequence[str]) -> tuple[Stage, ...
     names = list(dict.fromkeys(chain(*map(leaves, trees))))
     for name in names:
         if isinstance(system.fields[name], NumericField):
-            raise StratumError(
-                f"{name} is known as a function only, and optimising needs its exact "
-                "derivatives; give it as a formula"
-            )
+            raise StratumError(message("function_only", name=name))
     single = {name: _recovery(name, system.fields[name]) for name in system.fields}
     strokes = [name for name in names if single[name] is None]
     if not strokes:
-        raise StratumError(
-            "every field moves a single coordinate, so there is no stroke to optimise; "
-            "steer with a field that moves several"
-        )
+        raise StratumError(message("no_stroke"))
     wanted = set[int]()  # coordinates that a stroke moves or depends on
     for field in (system.fields[name] for name in strokes):
         read = [i for i, s in enumerate(system.state) if s in field.free_symbols]
