@@ -15,7 +15,6 @@ import numpy as np
 
 from models import Robot
 from planner import Array, Plan
-from planner.support import limited
 from sim.errors import UsageError
 from sim.evaluation.assessment import Evaluation, evaluate, summarise
 from sim.evaluation.quantities import describe
@@ -148,7 +147,7 @@ def simulate(
         scenario = problem.scenario
     walks, missed = scenario.correct if problem else 1, list[float]()
     for number in range(1, walks + 1):
-        with _timed(timing, "plan"), limited(scenario.plan_time):
+        with _timed(timing, "plan"), at_most(progress, "planning", scenario.plan_time):
             prepared = _prepared(setup, problem)
         if witness is not None and number == 1:
             witness.prepared(prepared)

@@ -223,7 +223,8 @@ def words(kind: object) -> str:
     if origin is tuple:
         each = [words(n).removeprefix("a number ") for n in inner if n is not Ellipsis]
         count = f"{len(each)} numbers:" if len(each) == len(inner) else "numbers"
-        return f"a list of {count} {', '.join(each)}"
+        listed = ", ".join(each).replace(", or a number ", " or ")
+        return f"a list of {count} {listed}"
     if origin is Annotated and isinstance(inner[1], Range):
         if inner[1].low == inner[1].high:
             return f"{inner[1].low:g}"

@@ -18,7 +18,7 @@ from sim.scenarios.declaration import LEAST, Range, Setting, Text, accept, setti
 imperfection = partial(setting, imperfection=True)
 Mass = Annotated[float, Range(0, 1e3)]
 Off = Annotated[float, Range(0, 0)]
-Width = Annotated[float, Range(0, 0.2)]  # of slack
+Width = Off | Annotated[float, Range(LEAST, 0.2)]  # of slack
 Zero = Annotated[float, Range(-0.2, 0.2)]
 Coordinate = Annotated[float, Range(-10, 10)]
 Slope = Annotated[float, Range(0, 1)]
@@ -185,7 +185,7 @@ class Settings:
         "offset",
         "world",
     )
-    zero_offset: Width | tuple[Zero, ...] = imperfection(
+    zero_offset: Annotated[float, Range(0, 0.2)] | tuple[Zero, ...] = imperfection(
         "largest random error of servos' zeros, or each error", 0.0, "drive", "rad"
     )
     backlash: Width = imperfection(
@@ -207,7 +207,7 @@ class Settings:
     foot_friction: tuple[Annotated[float, Range(0, 10)], ...] | None = imperfection(
         "coefficient of friction of each foot, in the order of the legs", None, "world"
     )
-    bumps: Annotated[float, Range(0, 0.1)] = imperfection(
+    bumps: Off | Annotated[float, Range(LEAST, 0.1)] = imperfection(
         "greatest height of bumps in the floor", 0.0, "world", "m"
     )
     imperfect: Literal["hobby"] | None = imperfection(
