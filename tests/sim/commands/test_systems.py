@@ -143,7 +143,7 @@ def test_degree_and_words_are_options_and_tell_what_to_expect(facts):
 
 
 def test_trailers_are_parked_exactly_in_chained_form(facts):
-    exact = facts(*("plan", "car-trailers", "--set", "trailers=2", "--goal", "y=0.5"))
+    exact = facts("plan", "car-trailers", "--goal", "y=0.5")  # two are on a page
     assert exact["error"] < 1e-6
     assert exact["elements"][:2] == ["ahead", "turn"]
     by_elements = facts("plan", "car-trailers", "--degree", "4")
