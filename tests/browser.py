@@ -29,7 +29,7 @@ DRAWING = (  # WebGL without a graphics card
 PATIENCE, PICTURES = 150.0, 30  # [s] and drawn, until something must be seen
 COMPLAINTS = re.compile(r"CONSOLE.*?\"(.*)\"")
 FRAME = """<!DOCTYPE html><meta charset="utf-8"><body style="margin: 0">
-<iframe style="border: 0; width: {width}px; height: 3000px" src="{page}"></iframe>
+{frames}
 <script>
 addEventListener("message", (event) => {{
   document.body.append(Object.assign(document.createElement("output"), {{
@@ -37,12 +37,13 @@ addEventListener("message", (event) => {{
   }}));
 }});
 </script>"""
+PART = """<iframe style="border: 0; width: {}px; height: 3000px" src="{}"></iframe>"""
 PROBE = """<script>
 setTimeout(async () => {{
   let found;
   try {{ found = await (async () => {{ {script} }})(); }}
   catch (error) {{ found = {{error: String(error)}}; }}
-  parent.postMessage(JSON.stringify(found), "*");
+  parent.postMessage(JSON.stringify([{number}, found]), "*");
 }}, 1500);
 </script></body>"""
 
@@ -56,20 +57,30 @@ def chromium():
 
 
 def ask(page, script, scratch, width=1000):
-    """What a script returns that runs in a page of a width [px]; JSON values.
+    """What a script returns that runs in a page of a width [px]; JSON values."""
+    (found,) = ask_all([page], script, scratch, width)
+    return found
 
-    A copy of the page with the script lies beside it meanwhile, so that its links hold.
+
+def ask_all(pages, script, scratch, width=1000):
+    """The same of pages in one folder, which one browser opens together.
+
+    Copies of them with the script lie beside them meanwhile, so that their links hold.
     """
-    copy, frame = page.with_name("asked.html"), page.with_name("frame.html")
-    probe = PROBE.format(script=script)
-    copy.write_text(page.read_text().replace("</body>", probe))
-    frame.write_text(FRAME.format(width=width, page=copy.name))
+    frame = pages[0].with_name("frame.html")
+    copies = [page.with_name(f"asked-{page.name}") for page in pages]
+    for number, (page, copy) in enumerate(zip(pages, copies, strict=True)):
+        probe = PROBE.format(script=script, number=number)
+        copy.write_text(page.read_text().replace("</body>", probe))
+    frames = "".join(PART.format(width, copy.name) for copy in copies)
+    frame.write_text(FRAME.format(frames=frames))
     done = open_in_browser(frame, scratch, "--dump-dom")
-    copy.unlink()
-    frame.unlink()
+    for file in (frame, *copies):
+        file.unlink()
     assert COMPLAINTS.findall(done.stderr) == []
-    (said,) = re.findall("<output>(.*?)</output>", done.stdout)
-    return json.loads(unquote(said))
+    said = re.findall("<output>(.*?)</output>", done.stdout)
+    found = dict(json.loads(unquote(one)) for one in said)
+    return [found[number] for number in range(len(pages))]
 
 
 def open_in_browser(page, scratch, *flags):

@@ -12,7 +12,7 @@ from sim.runs.run import read_run
 from sim.sweeps.table import write_table
 from sim.templates import render
 from sim.viewing.replay import _explained
-from tests.browser import ask
+from tests.browser import ask_all
 from tests.finished_runs import phase
 from tests.hostile import elements, names
 
@@ -128,13 +128,15 @@ def test_chromium_finds_no_new_element(pages, tmp_path):
         for (const key of [element.localName, ...element.getAttributeNames()])
           count[key] = 1;
       return [Object.keys(count).sort(), document.scripts.length, document.title];"""
+    files = []
     for name, texts in pages.items():
-        found = []
         for number, text in enumerate(texts):
-            file = tmp_path / f"{name}{number}.html"
-            file.write_text(text, errors="replace")
-            found.append(ask(file, script, tmp_path))
-        (kinds, scripts, _), (more, as_many, title) = found
+            files.append(tmp_path / f"{name}{number}.html")
+            files[-1].write_text(text, errors="replace")
+    found = ask_all(files, script, tmp_path)
+    for (kinds, scripts, _), (more, as_many, title) in zip(
+        found[::2], found[1::2], strict=True
+    ):
         assert set(more) <= {*kinds, "wbr"}
         assert as_many == scripts
         assert "INJECTED" not in title
