@@ -83,12 +83,11 @@ def tried(kind: str, seed: int, patience: float, keep: Path) -> bool:
             words = KINDS[kind](Path(folder), random.Random(seed))
         except Exception as error:  # of what is tried in this process
             words = f"raises {type(error).__name__}: {error}"
-        known = isinstance(words, str)
-        wrong = words or None if known else fault(words, folder, bounds)
-        if wrong is not None:
+        wrong = words if isinstance(words, str) else fault(words, folder, bounds)
+        if wrong:
             print(f"{kind} {seed}: {json.dumps(words)[:200]}: {wrong}", flush=True)
             shutil.copytree(folder, keep / f"{kind}-{seed}", dirs_exist_ok=True)
-    return wrong is None
+    return not wrong
 
 
 def load() -> None:

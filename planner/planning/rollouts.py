@@ -79,14 +79,12 @@ def play(
     states, needed = [np.asarray(start, dtype=float)], system.dimension
     if (shape := states[0].shape) != (needed,):
         raise ValueError(f"start has shape {shape}; {needed} coordinates are needed")
-    parts, shares = flows, np.arange(1, samples) / samples
-    if samples > 1:
-        parts = [f._replace(duration=f.duration / samples) for f in flows]
-        parts = [part for part in parts for _ in range(samples)]
-    if len(parts) >= WORTH_BATCHING:
-        together = batched(system, parts, states[0])
-        if together is not None:
-            return np.concatenate([states, together])
+    shares = np.arange(1, samples) / samples
+    parts = [f._replace(duration=f.duration / samples) for f in flows]
+    parts = [part for part in parts for _ in range(samples)]
+    worth = len(parts) >= WORTH_BATCHING
+    if worth and (together := batched(system, parts, states[0])) is not None:
+        return np.concatenate([states, together])
     for flow in flows:
         here, velocity = states[-1], system.compiled(flow.field).velocity
         if samples > 1:

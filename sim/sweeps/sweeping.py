@@ -128,7 +128,6 @@ def carry_on(
     where another process works in the folder, or where it holds another sweep or points
     of other versions, unless these are to be mixed in one table.
     """
-    about = About.of(points.sweep)
     times, done, failed = Counter(points.digests.values()), 0, 0
 
     def count(outcomes: Iterable[Outcome]) -> None:
@@ -139,7 +138,7 @@ def carry_on(
         show(done, failed, len(points.digests))
 
     with sole_owner(folder.lock):
-        about = folder.agree(about, mix)
+        about = folder.agree(About.of(points.sweep), mix)
         known = points.known(about, folder.ledger)
         if tasks := points.tasks(known):
             count(known.values())
@@ -163,9 +162,8 @@ def write_run_folders(points: Points, folder: SweepFolder) -> list[str]:
     own, wrong = RunFolder(folder.path), []
     if (runs := (own.path / run_folder(0)).parent).is_symlink():
         raise UsageError("is a link, which may lead anywhere", str(runs), "remove it")
-    look, last = None, "summary.json"
-    if points.sweep.filmed:
-        look, last = "draft", "video.mp4"
+    walked, filmed = (None, "summary.json"), ("draft", "video.mp4")
+    look, last = filmed if points.sweep.filmed else walked
     with sole_owner(folder.lock):
         for point in points.sweep.run_folders:
             name = run_folder(point)

@@ -162,8 +162,7 @@ class WorkerPool:
             return
         if (found := self._fetched(worker, answer)) is None:
             del self.asked[worker]
-            return
-        if differ := differences(*alike(software(), found)):
+        elif differ := differences(*alike(software(), found)):
             self.refused[worker] = ", ".join(differ).replace("now", "there")
         else:
             self.accepted.add(worker)
@@ -188,10 +187,9 @@ class WorkerPool:
 
     def _finished(self) -> list[tuple[Task, Outcome | None]]:
         """Tasks that have come back; None for one that is to be tried again."""
-        try:
+        done = set[Future]()
+        with suppress(TimeoutError):
             done = wait(list(self.running), 1, return_when="FIRST_COMPLETED").done
-        except TimeoutError:
-            done = set()
         there = self._there() if not done else {}
         lost = {f for f, (_, w) in self.running.items() if not done and w not in there}
         return [self._settle(future) for future in done | lost]
