@@ -70,10 +70,8 @@ def cluster(folder, env=ENV, nanny="--no-nanny"):
     """Address of a real scheduler with a worker, both on loopback."""
     file = folder / "scheduler.json"
     host = ("--host", "127.0.0.1")
-    with (
-        running("scheduler", *host, "--port", 0, "--no-dashboard",
-                "--scheduler-file", file, env=env),
-    ):  # fmt: skip
+    named = ("--port", 0, "--no-dashboard", "--scheduler-file", file)
+    with running("scheduler", *host, *named, env=env):
         began = time.monotonic()
         while not (file.exists() and file.stat().st_size):
             assert time.monotonic() - began < 120
@@ -114,10 +112,8 @@ def test_a_cluster_gives_the_bytes_that_one_machine_gives(tmp_path):
         there = ("sweep", file, "--out", tmp_path / "there", "--scheduler", address)
         done = stratawalk(*there)
         assert done.returncode == 0, done.stderr
-        tables = [
-            (tmp_path / n / "table.parquet").read_bytes() for n in ("here", "there")
-        ]
-        assert tables[0] == tables[1]
+        first, second = (tmp_path / n / "table.parquet" for n in ("here", "there"))
+        assert first.read_bytes() == second.read_bytes()
 
 
 @pytest.mark.full
@@ -156,9 +152,7 @@ def test_a_scheduler_that_is_lost_takes_no_point_with_it(tmp_path):
     with cluster(tmp_path) as address:
         words = ("sweep", file, "--out", out, "--scheduler", address)
         process = Begun(words, tmp_path)
-        while process.poll() is None and not (
-            ledger.exists() and ledger.stat().st_size
-        ):
+        while process.poll() is None and not (ledger.exists() and ledger.read_bytes()):
             time.sleep(0.05)
         (mine,) = (
             found
