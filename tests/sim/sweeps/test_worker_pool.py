@@ -292,8 +292,9 @@ def test_what_a_worker_takes_with_it_is_done_again(monkeypatch, client):
 
 def test_a_worker_that_dies_as_it_starts_ends_the_sweep(tmp_path):
     (tmp_path / "sitecustomize.py").write_text("import os\nos._exit(1)\n")
-    words = ("sweep", write_sweep(tmp_path, POISON), "--out", tmp_path / "out")
+    file, out = write_sweep(tmp_path, POISON), tmp_path / "out"
+    words = ("sweep", file, "--out", out, "--workers", 1)
     done = stratawalk(*words, env=ENV | {"PYTHONPATH": str(tmp_path)})
     assert done.returncode == 8
     (line,) = told(done.stderr)
-    assert "a worker died as it started: " in line
+    assert "a worker died as it started: 1 here; " in line
