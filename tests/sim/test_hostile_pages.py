@@ -91,6 +91,7 @@ def studied(tmp_path):
         about = {"asked": asked | {"set": {texts[1]: texts[2]}}, "software": {}}
         write_table(tmp_path / "table.parquet", rows, about)
         page = tmp_path / "study.html"
+        page.unlink(missing_ok=True)
         assert main(["study", str(tmp_path / "table.parquet"), "--out", str(page)]) == 0
         return page.read_text()
 
@@ -117,6 +118,7 @@ def test_statuses_add_no_element_to_the_page_of_a_study(tmp_path):
         write_table(table, rows, {"asked": asked, "software": {}})
         assert main(["study", str(table), "--out", str(page)]) == 0
         pages.append(elements(page.read_text()))
+        page.unlink()
     assert not set(pages[1]) - set(pages[0])
 
 

@@ -38,7 +38,10 @@ def facts(stratawalk):
         ("run line --json=3", "takes no value, but was given '3': --json; for example"),
         ("bench --fast", "stratawalk bench --help lists all options"),
         ("film --from soon", "soon is not a time: --from; give a number such as 5"),
-        ("run line --set dead_band=0.5deg", "a list of numbers from 0 to 0.2 [rad]"),
+        (
+            "run line --set dead_band=0.5deg",
+            "a list of numbers 0 or from 1e-09 to 0.2 [rad]",
+        ),
         ("list", "unknown command 'list': stratawalk; try stratawalk robots"),
     ],
 )

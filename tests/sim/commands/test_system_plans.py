@@ -45,3 +45,35 @@ def test_the_largest_value_of_each_coordinate_on_the_way_is_told(facts, stratawa
 def test_one_system_is_listed_with_the_coordinates_of_its_goals(stratawalk):
     _, out, _ = stratawalk("systems", "car-trailers")
     assert "coordinates x, y, theta_0, theta_1, phi\n" in out
+
+
+def test_a_plan_is_saved_last_so_that_the_command_can_be_given_again(
+    stratawalk, tmp_path, monkeypatch
+):
+    """Whoever is interrupted while the picture is drawn has no plan in the way."""
+
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    words = (
+        "plan",
+        "unicycle",
+        "--segments",
+        "1",
+        "--out",
+        "u.svg",
+        "--save",
+        "u.json",
+    )
+    with monkeypatch.context() as patched:
+        patched.setattr("sim.commands.plan._draw", interrupted)
+        code, _, err = stratawalk(*words)
+    assert (code, "again: stratawalk plan unicycle" in err) == (130, True)
+    assert not (tmp_path / "u.json").exists()
+    assert stratawalk(*words)[0] == 0
+    assert (tmp_path / "u.json").exists()
+
+
+def test_saved_plan_has_a_name(stratawalk):
+    code, _, err = stratawalk("plan", "car", "--save", "")
+    assert (code, "an empty name: --save; name a file" in err) == (2, True)

@@ -189,38 +189,6 @@ def test_saved_plan_may_be_read_by_all_who_may_read_new_files(facts, tmp_path):
     assert (tmp_path / "car.json").stat().st_mode & 0o777 == 0o644
 
 
-def test_a_plan_is_saved_last_so_that_the_command_can_be_given_again(
-    stratawalk, tmp_path, monkeypatch
-):
-    """Whoever is interrupted while the picture is drawn has no plan in the way."""
-
-    def interrupted(*_):
-        raise KeyboardInterrupt
-
-    words = (
-        "plan",
-        "unicycle",
-        "--segments",
-        "1",
-        "--out",
-        "u.svg",
-        "--save",
-        "u.json",
-    )
-    with monkeypatch.context() as patched:
-        patched.setattr("sim.commands.plan._draw", interrupted)
-        code, _, err = stratawalk(*words)
-    assert (code, "again: stratawalk plan unicycle" in err) == (130, True)
-    assert not (tmp_path / "u.json").exists()
-    assert stratawalk(*words)[0] == 0
-    assert (tmp_path / "u.json").exists()
-
-
-def test_saved_plan_has_a_name(stratawalk):
-    code, _, err = stratawalk("plan", "car", "--save", "")
-    assert (code, "an empty name: --save; name a file" in err) == (2, True)
-
-
 def test_elements_are_chosen_to_serve_all_along_the_way(facts, tmp_path):
     """Beside x = 0, and so at both ends, the bracket is not needed."""
     fields = 'a = { x = 1 }\nb = { y = "x" }'

@@ -248,7 +248,7 @@ def test_numbers_of_a_data_sheet_replace_those_of_the_make(scenario):
     make = SERVO_KINDS["mg90"]
     assert halved.servo.torque == pytest.approx(make.stall_torque / 2)
     assert halved.servo.speed == pytest.approx(make.no_load_speed / 2)
-    with pytest.raises(UsageError, match="give stall_torque and no_load_speed"):
+    with pytest.raises(UsageError, match="no stall_torque and no no_load_speed"):
         prepare(scenario(robot="hexapod-classroom", servo="bus"))
 
 

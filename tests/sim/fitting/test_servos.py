@@ -14,7 +14,6 @@ from sim.fitting.fitting import (
     MAKE,
     SERVO,
     JointFit,
-    card_text,
     fit_joints,
     fit_servos,
     one_make,
@@ -292,16 +291,3 @@ def test_errors_are_numbers_where_measurements_see_one_direction_sharply():
     found = Estimates(tuple(names), one, one, 1e22 * np.outer(sharp, sharp)[None], one)
     across = 1 - sharp**2 / (sharp @ sharp)  # what is left of each, of the others
     assert found.error[0] == pytest.approx(np.sqrt(across), rel=1e-6)
-
-
-def test_what_no_walk_takes_is_written_on_no_card():
-    robot, zeros = load("hexapod"), [0.5] + [0.0] * 11
-    with pytest.raises(UsageError) as found:
-        card_text(robot, {"zero_offset": (zeros, zeros)}, ["a.csv", "b.csv"])
-    assert found.value.what.startswith("zero_offset = [0.5, 0.0, ")
-    assert found.value.where == "a.csv, b.csv"
-    assert "calibrate the robot first" in found.value.remedy
-    zeros[0] = 0.2
-    assert "zero_offset = [0.2, " in card_text(
-        robot, {"zero_offset": (zeros, zeros)}, []
-    )
