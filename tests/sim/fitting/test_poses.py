@@ -1,10 +1,17 @@
 """What a fit to poses says of settings, which are functions of what it estimates."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from models import load
 from sim.fitting.estimate import Estimates
-from sim.fitting.poses import BODY, PoseFit
+from sim.fitting.poses import BODY, PoseFit, walked_of_log
+from sim.logs.log import read_log
+from sim.logs.playing import scenario_of
+from sim.preparation.setup import prepare
+from tests.sim.fitting.test_fitted_robot import ROBOT, motion
 
 
 @pytest.fixture
@@ -42,3 +49,17 @@ def test_a_slope_errs_by_no_less_than_its_components_do(found):
     for of, own in zip(told, errors, strict=True):
         least = carried(of, value, error)
         assert least <= own <= 1.5 * least  # 1.41 where components err alike
+
+
+def test_a_log_begins_where_the_robot_has_stood_for_its_hold(tmp_path):
+    file = tmp_path / "log.csv"
+    motion(file, amplitude=0.2, turn=0.3, periods=1)
+    robot = load(ROBOT)
+    log = read_log(file, robot.card.joints, robot.legs, "radians")
+    setup = prepare(scenario_of(robot, file, {}), robot, log=log)
+    log = replace(log, pose=np.zeros((len(log.time), 3)))
+    walked = walked_of_log(setup, log)
+    (pose,) = walked.follow(walked.expected[None])
+    assert pose[0] == pytest.approx(np.zeros(3), abs=1e-9)
+    assert np.abs(pose).max() > 1e-3  # [m], and it walks from then on
+    assert walked.times == pytest.approx(setup.limits.hold + log.time, abs=1e-9)
