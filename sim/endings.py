@@ -29,12 +29,14 @@ class ExitCode(IntEnum):
     HUNG_UP = 129  # SIGHUP
     INTERRUPTED = 130  # SIGINT
     TERMINATED = 143  # SIGTERM
+    OUT_OF_TIME = 152  # SIGXCPU
 
 
 ENDS = {  # what a message says of each signal
     signal.SIGINT: (ExitCode.INTERRUPTED, "interrupted: Ctrl-C"),
     signal.SIGTERM: (ExitCode.TERMINATED, "terminated: SIGTERM"),
     signal.SIGHUP: (ExitCode.HUNG_UP, "hung up: SIGHUP"),
+    signal.SIGXCPU: (ExitCode.OUT_OF_TIME, "out of processor time: SIGXCPU"),
 }
 _words: list[str] = []  # of the command line
 _kept: list[Callable[[], str]] = []  # what is told of unfinished work, innermost last

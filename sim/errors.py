@@ -16,7 +16,7 @@ from typing import ClassVar, Self
 from models import MeasurementError, ModelError, ProblemError, UnknownRobotError
 from planner import PlannerError
 from sim.endings import ENDS, ExitCode as ExitCode, kept_work, way_on
-from sim.interruption import HungUp, Terminated
+from sim.interruption import HungUp, OutOfTime, Terminated
 
 LONGEST_MESSAGE = 1000  # characters of a line; what is left out is in its middle
 ROOT = Path(__file__).resolve().parent.parent
@@ -136,6 +136,7 @@ _EXIT_CODES: dict[type[BaseException], ExitCode] = {
     MeasurementError: ExitCode.SIMULATION,
     Terminated: ExitCode.TERMINATED,  # before what they are kinds of
     HungUp: ExitCode.HUNG_UP,
+    OutOfTime: ExitCode.OUT_OF_TIME,
     KeyboardInterrupt: ExitCode.INTERRUPTED,
     OSError: ExitCode.FILES,
     MemoryError: ExitCode.SIMULATION,

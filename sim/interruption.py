@@ -1,4 +1,4 @@
-"""Ctrl-C, SIGTERM and SIGHUP: how the command answers, whatever it is doing.
+"""Ctrl-C, SIGTERM, SIGHUP and SIGXCPU: how the command answers, whatever it is doing.
 
 The first signal raises an exception where the command is, so that it can save what it
 has; the second ends it at once. A library may turn that exception into an error of its
@@ -38,7 +38,15 @@ class HungUp(KeyboardInterrupt):
     """SIGHUP, as `Terminated`: the terminal is gone, an ssh was dropped."""
 
 
-RAISED = {signal.SIGTERM: Terminated, signal.SIGHUP: HungUp}
+class OutOfTime(KeyboardInterrupt):
+    """SIGXCPU, as `Terminated`: the processor time that was granted is used up."""
+
+
+RAISED = {
+    signal.SIGTERM: Terminated,
+    signal.SIGHUP: HungUp,
+    signal.SIGXCPU: OutOfTime,
+}
 
 _noticed = [-NOTICE_TIME]  # when the command noticed the last signal [s]
 

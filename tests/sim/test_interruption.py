@@ -119,7 +119,12 @@ def test_a_second_signal_ends_at_once(tmp_path):
 
 @pytest.mark.parametrize(
     ("number", "code"),
-    [(signal.SIGINT, 0), (signal.SIGTERM, 143), (signal.SIGHUP, 129)],
+    [
+        (signal.SIGINT, 0),
+        (signal.SIGTERM, 143),
+        (signal.SIGHUP, 129),
+        (signal.SIGXCPU, 152),
+    ],
 )
 def test_a_viewer_is_ended_by_ctrl_c_and_stopped_by_other_signals(
     tmp_path, monkeypatch, capsys, number, code

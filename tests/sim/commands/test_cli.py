@@ -225,7 +225,12 @@ def test_film_that_cannot_be_drawn_is_refused_before_the_walk(stratawalk, tmp_pa
 @pytest.mark.physics
 @pytest.mark.parametrize(
     ("sent", "code"),
-    [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)],
+    [
+        (signal.SIGINT, 130),
+        (signal.SIGTERM, 143),
+        (signal.SIGHUP, 129),
+        (signal.SIGXCPU, 152),
+    ],
 )
 def test_signal_ends_a_run_with_one_line_and_whole_files(tmp_path, sent, code):
     words = ("run", "line", "--segments", "400", "--no-video", "--out", "here")
