@@ -7,10 +7,19 @@ import pytest
 
 from models import load
 from sim.fitting.estimate import Estimates
-from sim.fitting.poses import BODY, PoseFit, walked_of_log
+from sim.fitting.poses import (
+    BODY,
+    SETTINGS,
+    PoseFit,
+    _changed,
+    log_of,
+    walked_of_log,
+    walked_of_run,
+)
 from sim.logs.log import read_log
 from sim.logs.playing import scenario_of
 from sim.preparation.setup import prepare
+from sim.runs.run import read_run
 from tests.sim.fitting.test_fitted_robot import ROBOT, motion
 
 
@@ -51,15 +60,87 @@ def test_a_slope_errs_by_no_less_than_its_components_do(found):
         assert least <= own <= 1.5 * least  # 1.41 where components err alike
 
 
-def test_a_log_begins_where_the_robot_has_stood_for_its_hold(tmp_path):
-    file = tmp_path / "log.csv"
+@pytest.fixture(scope="module")
+def setup_and_log(tmp_path_factory):
+    """A gait that is played on the shipped hexapod, and its log with a body at rest."""
+    file = tmp_path_factory.mktemp("gait") / "log.csv"
     motion(file, amplitude=0.2, turn=0.3, periods=1)
     robot = load(ROBOT)
     log = read_log(file, robot.card.joints, robot.legs, "radians")
     setup = prepare(scenario_of(robot, file, {}), robot, log=log)
-    log = replace(log, pose=np.zeros((len(log.time), 3)))
-    walked = walked_of_log(setup, log)
-    (pose,) = walked.follow(walked.expected[None])
+    return setup, replace(log, pose=np.zeros((len(log.time), 3)))
+
+
+@pytest.fixture(scope="module")
+def gait(setup_and_log):
+    return walked_of_log(*setup_and_log)
+
+
+def test_a_log_begins_where_the_robot_has_stood_for_its_hold(setup_and_log, gait):
+    setup, log = setup_and_log
+    (pose,) = gait.follow(gait.expected[None])
     assert pose[0] == pytest.approx(np.zeros(3), abs=1e-9)
     assert np.abs(pose).max() > 1e-3  # [m], and it walks from then on
-    assert walked.times == pytest.approx(setup.limits.hold + log.time, abs=1e-9)
+    assert gait.times == pytest.approx(setup.limits.hold + log.time, abs=1e-9)
+
+
+@pytest.mark.parametrize("lacks", ["a pose", "a row of it", "a motion"])
+def test_a_log_without_its_poses_says_which_columns_are_missing(setup_and_log, lacks):
+    setup, log = setup_and_log
+    if lacks == "a motion":
+        setup = replace(setup, motion=None)
+    else:
+        gap = np.where(np.arange(len(log.time)) == 3, np.nan, 0.0)
+        poses = {"a pose": None, "a row of it": log.pose + gap[:, None]}
+        log = replace(log, pose=poses[lacks])
+    with pytest.raises(ValueError, match=r"give body\.x, \.y and \.yaw in every row"):
+        walked_of_log(setup, log)
+
+
+def changed(gait, by):
+    """A robot before and after values of some settings are changed."""
+    values, old = gait.expected, gait.phases.robots
+    for setting, more in by.items():
+        values[SETTINGS[setting]] += more
+    return old, _changed(old, values[None])
+
+
+def test_a_robot_as_it_was_described_is_changed_in_nothing(gait):
+    old, new = changed(gait, {})
+    for name in ("friction", "mass", "body_mass", "body_center", "stiffness"):
+        assert getattr(new, name)[0] == pytest.approx(getattr(old, name)[0], rel=1e-12)
+    level = 2e-5 * 9.81  # a slope of 1e-5 stays, so that it has a direction
+    assert new.gravity[0] == pytest.approx(old.gravity[0], abs=level)
+
+
+def test_a_payload_adds_its_mass_and_its_moments(gait):
+    old, new = changed(gait, {"payload": [0.1, 2e-3, -1e-3]})
+    assert new.mass[0] - old.mass[0] == pytest.approx(0.1)
+    assert new.body_mass[0] - old.body_mass[0] == pytest.approx(0.1)
+    before, after = (robot.body_mass[0] * robot.body_center[0] for robot in (old, new))
+    assert after - before == pytest.approx([2e-3, -1e-3, 0.0], abs=1e-12)
+
+
+def test_a_slope_turns_gravity_and_leaves_its_size(gait):
+    old, new = changed(gait, {"slope": [0.1, -0.2]})
+    size = np.linalg.norm(old.gravity[0])
+    assert np.linalg.norm(new.gravity[0]) == pytest.approx(size)
+    assert new.gravity[0, :2] == pytest.approx([0.1 * size, -0.2 * size], rel=1e-3)
+    assert new.gravity[0, 2] < 0
+
+
+def test_friction_and_stiffness_keep_what_feet_and_joints_differ_by(gait):
+    old, new = changed(gait, {"friction": 0.2, "servo_stiffness": 0.5})
+    assert np.ptp(new.friction[0] - old.friction[0]) == pytest.approx(0, abs=1e-12)
+    assert new.friction.mean() - old.friction.mean() == pytest.approx(0.2)
+    stiffer = new.stiffness[0] / old.stiffness[0]
+    assert stiffer == pytest.approx(np.full_like(stiffer, np.exp(0.5)))
+
+
+def test_a_walk_and_its_log_show_the_same_moments(walked):
+    run = read_run(walked)
+    log, known = log_of(run), walked_of_run(run)
+    assert log.time[0] == 0
+    first = run.time[run.walking][0]
+    assert known.times - log.time == pytest.approx(np.full_like(log.time, first))
+    assert known.pose == pytest.approx(log.pose)
