@@ -24,7 +24,7 @@ from sim.studies.designing import DIRECTIONS, count_designs, designs, tried
 from sim.studies.results import findings, read_results
 from sim.sweeps import sweeping
 from sim.sweeps.file import read_sweep
-from sim.sweeps.folder import Shard, SweepFolder, claim
+from sim.sweeps.folder import Shard, SweepFolder, claim, missing_shard
 from sim.sweeps.ledger import software
 from sim.sweeps.table import write_table
 from sim.templates import render
@@ -87,13 +87,14 @@ def _print_result(
     """Say what became of a sweep; the code that it ends with."""
     shown = list(result.reasons.items())[:PRINTED]
     further = "study" if SweepFolder(table.parent).table == table else "merge"
+    waits = "once all parts are walked: " * bool(missing_shard([table.parent]))
     cli.report(
         options,
         asdict(result) | {"table": str(table)},
         f"{_points(result.points)}, {result.walked} walked now, {result.failed} failed",
         ", ".join(f"{word} {count}" for word, count in result.verdicts.items()),
         *(f"{count:6}  {reason}" for reason, count in shown),
-        f"{'table':8}{table}\n{'next':8}{command(further, table.parent)}",
+        f"{'table':8}{table}\n{'next':8}{waits}{command(further, table.parent)}",
     )
     if result.failed and not options.json:
         line = f"{result.failed} of {_points(result.points)} failed"

@@ -11,7 +11,7 @@ import json
 import os
 import re
 import socket
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -27,6 +27,7 @@ from sim.sweeps.ledger import ALIKE, differences, software
 
 UNREADABLE = (ValueError, KeyError, TypeError, AttributeError, RecursionError)
 SIDE_BY_SIDE = " with "  # between keys that vary together
+WALKED = re.compile(r"table-(\d+)-of-(\d+)\.parquet")  # all of a shard
 OWN = re.compile(r"sweep(-\d+-of-\d+)?\.(json|lock|owner)")  # files of any shard
 
 
@@ -170,6 +171,19 @@ class SweepFolder:
 def abouts(folder: Path) -> list[Path]:
     """Files of a folder that say what its sweep, or each of its shards, is about."""
     return [path for path in folder.glob("sweep*.json") if OWN.fullmatch(path.name)]
+
+
+def missing_shard(folders: Iterable[Path]) -> str:
+    """The first part I/N of a sweep that lacks its table where others have theirs."""
+    names = "\n".join(path.name for at in folders for path in at.glob("table-*"))
+    found = [(int(i), int(n)) for i, n in WALKED.findall(names)]
+    missing = (
+        f"{i}/{n}"
+        for n in sorted({n for _, n in found})
+        for i in range(1, n + 1)
+        if (i, n) not in found
+    )
+    return next(missing, "")
 
 
 def claim(out: Path, shard: Shard, resume: bool) -> SweepFolder:

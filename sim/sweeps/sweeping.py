@@ -21,7 +21,15 @@ from sim.preparation.shared import PLAN
 from sim.run_folder import run
 from sim.scenarios.file import scenario_from, to_table
 from sim.sweeps.file import Sweep
-from sim.sweeps.folder import About, Shard, SweepFolder, abouts, run_folder, sole_owner
+from sim.sweeps.folder import (
+    About,
+    Shard,
+    SweepFolder,
+    abouts,
+    missing_shard,
+    run_folder,
+    sole_owner,
+)
 from sim.sweeps.ledger import OK, Outcome, digest, opened, read_ledger
 from sim.sweeps.table import Row, write_table
 from sim.sweeps.worker_pool import Task, open_pool
@@ -198,7 +206,8 @@ def merge(sources: Sequence[Path], out: Path) -> tuple[Result, Path]:
     if missing:
         few = ", ".join(map(str, missing[:5])) + ", ..." * (len(missing) > 5)
         what = f"{len(missing)} of {len(points.digests)} points are missing: {few}"
-        on = command("sweep", "FILE.toml", "--out", sources[0], "--resume")
+        part = ["--shard", shard] if (shard := missing_shard(sources)) else []
+        on = command("sweep", "FILE.toml", "--out", sources[0], *part, "--resume")
         remedy = f"walk them with its file, {on}, or name the other shards"
         raise UsageError(what, ", ".join(map(str, sources)), remedy)
     ensure_folder(out)
