@@ -8,6 +8,7 @@ from copy import deepcopy
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
+from shlex import quote
 from typing import Any
 
 from models.description import parse_toml, toml_key, toml_text
@@ -73,7 +74,7 @@ def _plain(value: Any) -> Any:
 
 def scenario_table(source: str) -> tuple[Values, str]:
     """A scenario as its file gives it, found from anywhere, and its place in words."""
-    write = f"write one: stratawalk scenarios line > {source}.toml"
+    write = f"write one: stratawalk scenarios line > {quote(f'{source}.toml')}"
     path = find(source, FOLDER, "scenario", "SCENARIO", write)
     table = {"name": path.stem, **read_toml(path)}
     anchor(table, path.parent)

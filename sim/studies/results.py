@@ -32,6 +32,7 @@ from sim.templates import render
 LIMITS = (0.01, 0.03, 0.10)
 """Shares of the path within which predictions hold."""
 MOST = 1e12  # in any number of a table
+SHORTEST = 1e-9  # way that a walk can be off by a share of [m]
 SEPARATE = 12  # values, of which each is a group of its own
 BINS = (4, 24)  # groups of neighbouring values otherwise, at least and at most
 EACH = 12  # points that a group should have
@@ -72,8 +73,8 @@ class Results:
     def off(self) -> Array:
         """Farthest from the prediction as a share of the path, (N,); NaN for none."""
         farthest = self.column(f"error.{self.prediction}.farthest")
-        length = self.column("path_length")
-        return farthest / np.where(length > 0, length, self.column("distance_walked"))
+        path, walked = map(self.column, ("path_length", "distance_walked"))
+        return farthest / np.maximum(np.where(path > SHORTEST, path, walked), SHORTEST)
 
     @cached_property
     def classes(self) -> Array:
@@ -127,14 +128,19 @@ def read_results(path: Path, prediction: str = "") -> Results:
     columns, about = read_table(file)
     asked = about.get("asked") if isinstance(about, dict) else None
     vary = asked.get("vary") if isinstance(asked, dict) else None
-    keys = tuple(key for names in vary or () for key in names.split(SIDE_BY_SIDE))
+    known = list(vary) if isinstance(vary, dict) else []
+    keys = tuple(key for names in known for key in names.split(SIDE_BY_SIDE))
     strange = [key for key in keys if "/" in key or not key.isprintable()]
     lacking = [key for key in (*keys, "point", "status") if key not in columns]
-    if vary is None or strange or lacking:
-        what = f"it does not say what varies, {', '.join(strange + lacking)}"
+    if not isinstance(vary, dict) or strange or lacking:
+        what = ", ".join(["it does not say what varies", *strange, *lacking])
         raise UsageError(what, str(file), "give the table that a sweep has written")
     columns.setdefault("verdict", [None] * len(columns["point"]))
     _require("point", columns["point"], "whole numbers from 0", int)
+    (point, times), *_ = Counter(columns["point"]).most_common(1) or [(0, 1)]
+    if times > 1:
+        remedy = "leave one row of each point"
+        raise UsageError(f"point {point} stands in {times} rows", str(file), remedy)
     _require("status", columns["status"], "texts", str)
     _require("verdict", columns["verdict"], "texts", str, NoneType)
     for key in keys:
@@ -162,6 +168,7 @@ def _require(
     for row, value in enumerate(values):
         number = value if isinstance(value, int | float) else least
         if type(value) not in kinds or not least <= number <= MOST:
+            wanted += f" to {MOST:g}" * (number > MOST)
             raise refusal(value, wanted, "the table", f"row {row} of column {name!r}")
 
 

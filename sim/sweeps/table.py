@@ -67,7 +67,7 @@ def read_table(path: Path) -> tuple[dict[str, list[object]], dict[str, Any]]:
             raise ValueError(f"{count} with {size / 1e9:.2g} GB are too many")
         texts = [f.name for f in parquet.read_schema(path) if f.type == pa.string()]
         table = parquet.read_table(path, read_dictionary=texts)
-        about = json.loads(table.schema.metadata[ABOUT.encode()])
+        about = json.loads((table.schema.metadata or {}).get(ABOUT.encode(), "null"))
         columns = {name: _values(table[name]) for name in table.column_names}
     except (pa.ArrowException, OSError, *UNREADABLE) as error:
         why = str(error).partition(". ")[0]

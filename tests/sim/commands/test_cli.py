@@ -40,6 +40,7 @@ QUICK = (*SHORT, "--set", 'predictions=["quasi_static"]')
         (["sweep", "a", "--out", "b", "--workers", "999"], 2, "number, 1 to 256"),
         (["run", "line", "--segments", "0"], 2, "segments = 0 is not allowed"),
         (["run", "lien"], 2, "unknown scenario 'lien': SCENARIO; did you mean 'line'?"),
+        (["run", "a; b"], 2, "stratawalk scenarios line > 'a; b.toml'"),
         (["run", "gone.toml"], 2, "no such scenario file: gone.toml"),
         (["run", "line", "--fields", "papper"], 2, "give lifted or paper"),
         (["run", "line", "--look", "pretty"], 2, "'pretty' is not allowed"),
