@@ -15,7 +15,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from planner.errors import point
+from planner.errors import message, point
 from planner.extension.fields_on_bottom import coupled, lifts, tangent_field
 from planner.numerics.arrays import Array
 from planner.numerics.subspaces import (
@@ -166,17 +166,14 @@ def _configuration(
 ) -> Array:
     x = np.asarray(at, dtype=float)
     if x.shape != (system.dimension,):
-        raise ValueError(
-            f"configuration has shape {x.shape}, expected ({system.dimension},): "
-            f"{', '.join(map(str, system.state))}"
-        )
+        state = ", ".join(map(str, system.state))
+        facts = {"shape": x.shape, "dimension": system.dimension, "state": state}
+        raise ValueError(message("configuration", **facts))
     if not np.isfinite(x).all():
         raise ValueError(f"configuration {point(x)} is not finite")
     if home.functions and (missed := np.abs(home.value(x))).max() > OFF_STRATUM:
-        raise ValueError(
-            f"configuration {point(x)} is not in the gait's first stratum: "
-            f"{home.functions[missed.argmax()]} is not 0 there; choose one where it is"
-        )
+        function = home.functions[missed.argmax()]
+        raise ValueError(message("not_home", place=point(x), function=function))
     home.require_regular(x)
     return x
 

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 
 from planner.lie.hall import Bracket, Element, degree, hall_basis, is_hall_pair, place
 from planner.lie.tensor import Tensor
+from planner.messages import message
 from planner.numerics.arrays import Array
 
 Expansion = Mapping[Element, int]
@@ -71,22 +72,15 @@ class LieAlgebra:
 
     def __post_init__(self) -> None:
         if not self.basis:
-            remedy = "take hall_basis(generators, max_degree)"
-            raise ValueError(f"the basis is empty; {remedy}")
+            raise ValueError(message("empty"))
         here = set(self.basis)
         if [e for e in self._free_basis if e in here] != list(self.basis):
-            raise ValueError(
-                f"basis {', '.join(map(str, self.basis))} is not a part of the Hall "
-                "basis in its order; take it from hall_basis(generators, max_degree)"
-            )
+            raise ValueError(message("no_part", basis=", ".join(map(str, self.basis))))
         inner = (e for e in self._free_basis if degree(e) < self.max_degree)
         lacking = [e for e in inner if e not in here]
         for lost, generator in product(lacking, range(1, self.generators + 1)):
             for kept in here & structure_constants(generator, lost).keys():
-                raise ValueError(
-                    f"the basis has {kept} but not {lost}, which it is a bracket of; "
-                    f"add {lost}, or leave out {kept}"
-                )
+                raise ValueError(message("lacks", kept=kept, lost=lost))
 
     @cached_property
     def degrees(self) -> tuple[int, ...]:
@@ -137,10 +131,8 @@ class LieAlgebra:
         """
         array = np.asarray(values, dtype=float)
         if array.shape[-1:] != (len(self.basis),):
-            raise ValueError(
-                f"{what} of shape {array.shape} do not fit the basis; give "
-                f"{len(self.basis)} along the last axis"
-            )
+            facts = {"what": what, "shape": array.shape, "size": len(self.basis)}
+            raise ValueError(message("misshapen", **facts))
         if not np.isfinite(array).all():
             raise ValueError(f"{what} are not finite: {array.tolist()}")
         return array

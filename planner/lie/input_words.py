@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 from planner.lie.coordinates import exponential, forward
 from planner.lie.free_lie import LieAlgebra, lie_algebra
 from planner.lie.hall import Bracket, Element
+from planner.messages import message
 from planner.numerics.arrays import Array
 
 Order = Literal["backward", "forward"]
@@ -92,10 +93,7 @@ def spellings(
 
 def _shaped(axes: int, h: Array) -> Array:
     if h.ndim != axes:
-        raise ValueError(
-            f"coordinates of shape {h.shape} have {h.ndim} axes, not {axes}; give "
-            "`word` the coordinates of one segment, `spellings` a row for each segment"
-        )
+        raise ValueError(message("axes", shape=h.shape, given=h.ndim, axes=axes))
     return h
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from planner.messages import message
 from planner.numerics.arrays import Array
 
 
@@ -71,9 +72,9 @@ class Tensor:
     def _require_constant(self, number: int) -> None:
         if (self.levels[0] != number).any():
             name = "exp" if number == 0 else "log"
+            constant = self.levels[0].ravel()[0]
             raise ValueError(
-                f"{name} of a series with constant term {self.levels[0].ravel()[0]}; "
-                f"make it {number}"
+                message("constant", of=name, given=constant, wanted=number)
             )
 
 
