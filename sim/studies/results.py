@@ -41,6 +41,7 @@ PRINTED_REASONS = 5
 NUMBER = re.compile(r"-?\b\d[\d.e-]*")  # in which alone many reasons differ
 FURTHER = ("beyond", "fell", "no walk")  # classes, after those of the limits
 FELL, NO_WALK = 4, 5
+JUDGE = "weighed.prediction"  # column of what verdicts are by
 UNJUDGED = "quasi_static"  # what walks of a table without verdicts are compared with
 VARIANCES = "100% is all that differs: in log distance, in being lost (fell, no walk)"
 ALONE = "only one setting varies, so there is nothing to divide among several"
@@ -126,13 +127,14 @@ def read_results(path: Path, prediction: str = "") -> Results:
     if path.suffix == ".toml" and path.is_file():
         raise UsageError("not swept yet", str(path), "give stratawalk sweep this file")
     columns, about = read_table(file)
-    asked = about.get("asked") if isinstance(about, dict) else None
-    vary = asked.get("vary") if isinstance(asked, dict) else None
-    known = list(vary) if isinstance(vary, dict) else []
+    given = about.get("asked") if isinstance(about, dict) else None
+    parts = given.items() if isinstance(given, dict) else ()
+    asked = {name: part for name, part in parts if isinstance(part, dict)}
+    known = asked.get("vary", {})
     keys = tuple(key for names in known for key in names.split(SIDE_BY_SIDE))
     strange = [key for key in keys if "/" in key or not key.isprintable()]
     lacking = [key for key in (*keys, "point", "status") if key not in columns]
-    if not isinstance(vary, dict) or strange or lacking:
+    if "vary" not in asked or strange or lacking:
         what = ", ".join(["it does not say what varies", *strange, *lacking])
         raise UsageError(what, str(file), "give the table that a sweep has written")
     columns.setdefault("verdict", [None] * len(columns["point"]))
@@ -145,12 +147,13 @@ def read_results(path: Path, prediction: str = "") -> Results:
     _require("verdict", columns["verdict"], "texts", str, NoneType)
     for key in keys:
         _require(key, columns[key], "one value", bool, int, float, str, least=-MOST)
-    judges = [name for name in columns.get("weighed.prediction", ()) if name]
+    judges = [name for name in columns.get(JUDGE, ()) if name]
+    _require(JUDGE, judges, "texts", str)
     judge = str(Counter(judges).most_common(1)[0][0]) if judges else UNJUDGED
     if judge not in PREDICTIONS:
-        raise refusal(judge, "a prediction", str(file), "column 'weighed.prediction'")
+        raise refusal(judge, "a prediction", str(file), f"column {JUDGE!r}")
     prediction = prediction or judge
-    results = Results(columns, keys, prediction, asked or {}, judge=judge)
+    results = Results(columns, keys, prediction, asked, judge=judge)
     made = {p.label for k, p in PREDICTIONS.items() if f"error.{k}.farthest" in columns}
     if made and results.label not in made:
         what = f"the walks were not compared with the {results.label} prediction"

@@ -47,6 +47,15 @@ FOREIGN = {
         lambda path: parquet.write_table(pa.table(column("friction")), path),
         "does not say what varies: ",
     ),
+    "a judge in a list": (of("weighed.prediction", [["a"]] * 3), "0 of column 'weigh"),
+    "numbers for settings": (
+        foreign(column("friction"), asked={"vary": {"friction": []}, "set": 3}),
+        "",
+    ),
+    "a setting as long as a book": (
+        of("friction", ["x" * 50_000, "y", "z"]),
+        "",
+    ),
     "a point twice": (of("point", [0, 1, 1]), "point 1 stands in 2 rows: "),
     "a huge distance": (of(FARTHEST_OFF, [0.1, 1e300, 0.1]), "numbers from 0 to 1e+12"),
     "a way of nearly nothing": (of("path_length", [1e-320] * 3), ""),
