@@ -1,5 +1,9 @@
 """Errors of robots and systems; each names the value, the place and the remedy."""
 
+from planner.support import sentences
+
+message = sentences("models", "refusals.toml")
+
 
 class ModelError(Exception):
     """A robot file that exists but cannot be used; exit code 3 on the command line.

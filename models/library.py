@@ -15,7 +15,7 @@ from models.description.card_file import card_text, parse_card
 from models.description.compiled import read_spec
 from models.description.inspection import Opened, inspect_model
 from models.description.robot import EMBEDDED, FOLDER, Robot
-from models.errors import ModelError, UnknownRobotError
+from models.errors import ModelError, UnknownRobotError, message
 from models.morphology.mjcf import write_mjcf
 from models.morphology.shipped import reshaped
 
@@ -73,10 +73,8 @@ def load(
     except ModelError as error:
         if not borrowed:
             raise
-        raise ModelError(
-            f"no robot card: {beside} is missing, and that of {borrowed!r}, whose "
-            f"model name it carries, does not fit; {error}"
-        ) from error
+        facts = {"beside": beside, "borrowed": borrowed, "error": error}
+        raise ModelError(message("no_card", **facts)) from error
     check_posture(robot)
     return robot
 
@@ -101,15 +99,12 @@ def _find(name: str) -> Path:
         near = file or get_close_matches(name, shipped, n=1)
         own = quote(name) if name.endswith(".urdf") else "FILE.urdf"
         question = f"did you mean {near[0]!r}? " if near else ""
-        raise UnknownRobotError(
-            f"unknown robot: {name!r}; {question}shipped are {', '.join(shipped)}, "
-            f"or give a .xml file; for one of your own: stratawalk adopt {own}"
-        )
+        facts = {"question": question, "shipped": ", ".join(shipped), "own": own}
+        raise UnknownRobotError(message("unknown_robot", name=name, **facts))
     path = Path(name) if name.endswith(".xml") else FOLDER / f"{name}.xml"
     if not path.is_file():
         own = f"{path.stem!r}, as shipped, or " * (path.stem in shipped)
-        message = f"no such robot file: {path}; give {own}the path of an MJCF file"
-        raise UnknownRobotError(message)
+        raise UnknownRobotError(message("no_file", path=path, own=own))
     return path
 
 

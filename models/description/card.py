@@ -13,6 +13,7 @@ from typing import Any
 
 from models.description.makes import servo_of
 from models.description.servos import BOARD_CLOCK, JointServo, ServoKind
+from models.errors import message
 from planner.support import unknown
 
 # [s]; with slower lifts the slip at lift-off and touchdown no longer decreases
@@ -58,10 +59,7 @@ class GroupCard:
     def __post_init__(self) -> None:
         _check_gains("a group", "leg", self.legs)
         if self.swing is not None and not self.swing[0] < 0 < self.swing[1]:
-            raise ValueError(
-                "swing is the lowest angle, below 0, and the highest, above 0, got "
-                f"{list(self.swing)}"
-            )
+            raise ValueError(message("swing_range", given=list(self.swing)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,9 +83,7 @@ def _check_gains(whole: str, part: str, gains: Mapping[Any, float]) -> None:
     if not gains:
         raise ValueError(f"{whole} needs at least one {part}")
     if bad := {n: gain for n, gain in gains.items() if not 1e-6 <= abs(gain) <= 1e6}:
-        raise ValueError(
-            f"{part}s need a sign or a gain other than 0, from 1e-6 to 1e6, got {bad}"
-        )
+        raise ValueError(message("gains", part=part, given=bad))
 
 
 def made_of(kind: str, data: Mapping[str, float]) -> ServoKind:
@@ -164,10 +160,8 @@ class Card:
                 raise ValueError(f"{name} must be positive, got {value}")
         low, high = CLOCKS
         if not low <= self.board_clock <= high:
-            raise ValueError(
-                f"board.clock must be from {low:g} to {high:g} Hz, "
-                f"got {self.board_clock:g}"
-            )
+            facts = {"low": low, "high": high, "given": self.board_clock}
+            raise ValueError(message("clock", **facts))
         if not self.description.isprintable():
             raise ValueError("description must be one line of printable text")
         self._check_groups()
@@ -176,9 +170,7 @@ class Card:
         for joint in self.joint_servos.keys() - {*self.joints}:
             raise ValueError(f"servo.{joint}: this joint {unknown(joint, self.joints)}")
         if not 0 <= (least := self.least_load) < 1 / 3:
-            raise ValueError(
-                f"least_load is a share of the weight below 1/3, got {least}"
-            )
+            raise ValueError(message("least_load", given=least))
 
     def _check_groups(self) -> None:
         if odd := [n for n in self.groups if len(n) != 1 or not n.isalnum()]:
@@ -189,24 +181,17 @@ class Card:
             if leg not in self.legs:
                 raise ValueError(f"group.{of[0]}: there is no leg {leg}")
             if len(of) != 1:
-                raise ValueError(
-                    f"leg {leg} is in {' and '.join(of) or 'no group'}; every leg "
-                    "belongs to exactly one group"
-                )
+                groups = " and ".join(of) or "no group"
+                raise ValueError(message("one_group", leg=leg, groups=groups))
 
     def _check_gait(self) -> None:
         if len(self.gait) < 2 or self.gait[0] != self.gait[-1]:
-            raise ValueError(
-                f"gait {list(self.gait)} does not close; it ends with the stratum "
-                "that it starts with, eq. (11)"
-            )
+            raise ValueError(message("open_gait", gait=list(self.gait)))
         for stratum in self.gait:
             what = f"gait: stratum {stratum!r}"
             if unknown := sorted(set(stratum) - set(self.groups)):
-                raise ValueError(
-                    f"{what} stands on group {unknown[0]!r}, which does not exist; "
-                    f"groups are {', '.join(self.groups)}"
-                )
+                facts = {"unknown": unknown[0], "known": ", ".join(self.groups)}
+                raise ValueError(message("no_group", what=what, **facts))
             if stratum != (ordered := "".join(g for g in self.groups if g in stratum)):
                 order = f"once each and in their order, {ordered!r}"
                 raise ValueError(f"{what} must name its groups {order}")

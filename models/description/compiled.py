@@ -20,11 +20,9 @@ import mujoco
 import numpy as np
 
 from models.description.table import is_plain
-from models.errors import ModelError
+from models.errors import ModelError, message
 from planner import Array
-from planner.support import sentences
 
-message = sentences("models.description", "refusals.toml")
 UNDECODED = re.compile("[\udc80-\udcff]")  # bytes that are not UTF-8
 COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 TAG = re.compile(r"<([A-Za-z_][\w.-]*)((?:[^<>\"']|\"[^\"]*\"|'[^']*')*)>")

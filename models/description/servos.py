@@ -175,6 +175,8 @@ class JointServo:
             value = getattr(self, name)
             if value is not None and not 0 <= value < inf:
                 raise ValueError(f"{name} must not be negative, got {value}")
+        if self.channel is not None and self.channel % 1:
+            raise ValueError(f"channel must be a whole number, got {self.channel}")
         if self.sign not in (-1, 1):
             raise ValueError(f"sign must be 1 or -1, got {self.sign:g}")
         if not isfinite(self.offset):

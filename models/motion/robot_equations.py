@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import hypot
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from models.contact.kinematics import Kinematics
 from models.contact.loads import StaticStability, static_loads
 from models.description.card import Twist
 from models.description.robot import Robot
-from models.errors import ModelError
+from models.errors import ModelError, message
 from models.motion.equations_of_motion import POSE, Direction, Swing, walking_system
 from planner import Execution, Path, PlannerError, StratifiedSystem
 from planner.execution import StabilityTest, StanceRule
@@ -91,12 +91,15 @@ def equations(robot: Robot, fields: Fields = "lifted") -> Equations:
 
     Raises:
         ModelError: If groups do not stand where they swing, or cannot be steered.
+        ValueError: If there are no such fields.
 
     Example:
         >>> from models import equations, load
         >>> equations(load("hexapod"), "paper").elements
         ('g12_1', 'g12_2', 'g1_2', 'g2_1', '[g12_1,g12_2]')
     """
+    if fields not in (known := get_args(Fields)):
+        raise ValueError(f"fields is {fields!r}; choose {' or '.join(known)}")
     card, kinematics = robot.card, Kinematics(robot)
     swings = tuple(s for name in card.strata for s in _swings(kinematics, name))
     contacts = tuple((name, name) for name in card.strata)
@@ -151,10 +154,7 @@ def twist_at_rest(kinematics: Kinematics, stratum: str, direction: Direction) ->
     rates = (stance.rates * moved)[on][None]
     loads = static_loads(feet, stance.center_of_mass[None])
     if (loads > 1e-9).sum() < 3:
-        raise ModelError(
-            f"the robot cannot stand on groups {stratum}: {robot.path}; their feet do "
-            "not surround its weight; group other legs or give the twist of their swing"
-        )
+        raise ModelError(message("no_stand", groups=stratum, source=robot.path))
     twist = least_dissipation_twist(feet, rates, loads)[0]
     # the last digits are the solver's and not the robot's
     forward, left, yaw = (round(float(value), 9) + 0.0 for value in twist)
@@ -179,11 +179,8 @@ def _elements(
             and swing.stratum == (robot.card.bottom if fields == "paper" else group)
         ]
     if len(names) != 2:
-        raise ModelError(
-            "steering needs two swings of standing legs, and the gait "
-            f"{' '.join(robot.card.gait)} has {len(names)}: {robot.path}; let two "
-            "groups stand alone in turn, such as 12 1 12 2 12, or give two patterns"
-        )
+        facts = {"gait": " ".join(robot.card.gait), "count": len(names)}
+        raise ModelError(message("two_swings", source=robot.path, **facts))
     lifted: dict[Direction, str] = {}
     for swing in swings:
         if swing.twist is None:
@@ -245,19 +242,9 @@ def _reason(robot: Robot, described: Equations) -> str:
     twists = [described.twists[name] for name in described.elements[:2]]
     turning = [abs(yaw) * size > STRAIGHT * hypot(*way) for *way, yaw in twists]
     if not any(turning):
-        return (
-            "neither of its two strokes turns the body: the legs of a group are "
-            "parallel and carry it straight along"
-        )
+        return message("straight")
     if all(turning):
         # points of the body that strokes leave in place [m]
         (x, y), (u, v) = [(-left / yaw, ahead / yaw) for ahead, left, yaw in twists]
-        return (
-            f"both strokes turn the body about nearly the same point, ({x:z.3f}, "
-            f"{y:z.3f}) m, where the legs of both groups, produced inward, meet: their "
-            f"pivots are {1e3 * hypot(x - u, y - v):.3g} mm apart"
-        )
-    return (
-        f"its strokes are short: even {AFFORDABLE:,.0f} of them add up to less than "
-        "a unit in the directions that are missing"
-    )
+        return message("one_pivot", x=x, y=y, apart=1e3 * hypot(x - u, y - v))
+    return message("short", most=AFFORDABLE)

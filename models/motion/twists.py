@@ -17,7 +17,7 @@ from models.contact.dissipation import ellipses, least_dissipation_twist
 from models.contact.kinematics import Kinematics
 from models.contact.loads import static_loads
 from models.contact.sliding import Ground, sliding_twist
-from models.errors import MeasurementError
+from models.errors import MeasurementError, message
 from models.motion.robot_equations import Equations
 from planner import Array
 
@@ -158,10 +158,8 @@ class IdentifiedTwists:
         """
         for name, failed in self.failed.items():
             if failed.stratum == stratum:
-                raise MeasurementError(
-                    f"field {name} could not be measured: {failed.reason}; "
-                    "take stiffer servos, or groups on which the robot can stand"
-                )
+                why = message("unmeasured", name=name, reason=failed.reason)
+                raise MeasurementError(why)
         on = {n: f for n, f in self.fields.items() if f.stratum == stratum}
         inverse = np.linalg.pinv(np.array([f.direction for f in on.values()]))
         inputs, ways = (rates @ inverse).T, (swing @ inverse).T  # (fields, N)
@@ -169,9 +167,7 @@ class IdentifiedTwists:
         for (name, f), u, w in zip(on.items(), inputs, ways, strict=True):
             farthest = np.abs(w[u != 0.0]).max(initial=0.0)
             if farthest > f.reach + ROUNDING_ANGLE:
-                raise MeasurementError(
-                    f"field {name} swings to {farthest:.3g} rad, but is confirmed to "
-                    f"{f.reach:.3g} rad either way; plan more segments"
-                )
+                facts = {"angle": farthest, "reach": f.reach}
+                raise MeasurementError(message("unconfirmed", name=name, **facts))
             parts.append(u[:, None] * f(w))
         return np.sum(parts, axis=0)

@@ -138,6 +138,8 @@ def integrate(
     """
     algebra = lie_algebra(tuple(basis))
     inputs = algebra.vector(inputs, "inputs")
+    if inputs.ndim < 2:
+        raise ValueError(message("no_nodes", shape=inputs.shape))
     integral = collocation(inputs.shape[-2]).integral.T
     h = np.zeros((*inputs.shape[:-2], len(algebra.basis)))
     if start is not None:
@@ -152,8 +154,9 @@ def integrate(
         return path
 
     every = ((j, inputs[..., j]) for j in range(inputs.shape[-1]))
-    coordinate_rates(algebra, {j: v for j, v in every if v.any()}, advance)
-    return h
+    with np.errstate(over="ignore", invalid="ignore"):
+        coordinate_rates(algebra, {j: v for j, v in every if v.any()}, advance)
+    return algebra.vector(h)
 
 
 def backward(

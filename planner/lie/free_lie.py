@@ -129,7 +129,7 @@ class LieAlgebra:
         Raises `ValueError`, with the name of the values, if they are not finite or
         misshapen.
         """
-        array = np.asarray(values, dtype=float)
+        array = np.array(values, dtype=float)  # callers may fill theirs again
         if array.shape[-1:] != (len(self.basis),):
             facts = {"what": what, "shape": array.shape, "size": len(self.basis)}
             raise ValueError(message("misshapen", **facts))

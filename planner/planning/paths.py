@@ -130,7 +130,7 @@ def as_path(path: Path | Callable[[float], ArrayLike]) -> Path:
         return path
     if not callable(path):
         raise ValueError(f"path is {path!r}; give a function of s in [0, 1], or a Path")
-    return Path(lambda s: np.array([path(float(t)) for t in s], dtype=float))
+    return Path(lambda s: np.array([np.array(path(float(t)), float) for t in s]))
 
 
 def grid(path: Path, segments: int) -> Array:

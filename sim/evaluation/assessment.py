@@ -53,6 +53,7 @@ from sim.logs.alignment import Measured
 from sim.motion.prediction import Prediction
 from sim.preparation.shared import Cache, Shared, no_cache, world_cache
 from sim.progress import Progress, silent, stage
+from sim.scenarios.declaration import refusal
 from sim.scenarios.predictions import OF_MOTIONS, PREDICTIONS, best
 from sim.versions import versions
 from sim.walking.finished import Walk
@@ -149,6 +150,9 @@ def evaluate(
         >>> sorted(evaluate(walk).predicted)
         ['compliant', 'ideal', 'identified', 'quasi_static']
     """
+    for word in without:
+        if word not in (known := (*PREDICTIONS, "creep_floor")):
+            raise refusal(word, f"some of {', '.join(known)}", "without")
     predicted: dict[str, Prediction] = {}
     unpredicted: dict[str, str] = {}
     caches: dict[str, Cache] = {}

@@ -45,6 +45,10 @@ class Sensing:
         for name, value in vars(self).items():
             if value is not None and not value >= 0:  # nor no number
                 raise ValueError(f"{name} is {value}; give 0 or more")
+            if name in ("lost", "wild") and value > 1:
+                raise ValueError(f"{name} is {value}; give a share from 0 to 1")
+            if name in ("readings", "every") and (value < 1 or value % 1):
+                raise ValueError(f"{name} is {value}; give a whole number from 1")
 
     @property
     def is_exact(self) -> bool:

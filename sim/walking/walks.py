@@ -36,6 +36,7 @@ from sim.preparation.setup import Setup, prepare
 from sim.preparation.shared import PLAN, Cache, no_cache
 from sim.progress import Progress, silent
 from sim.scenarios.body_path import waypoints
+from sim.scenarios.declaration import require_keys
 from sim.scenarios.scenario import Scenario
 from sim.scenarios.settings import SETTINGS
 from sim.walking.finished import Stretch, Walk, laid_commands
@@ -186,7 +187,7 @@ def walk(robot: Robot, plan: Plan, progress: Progress = silent, **changes: Any) 
         43
     """
     setup = prepare(_scenario_of(robot, plan, changes), robot)
-    if plan.system.state != setup.equations.system.state:
+    if plan.system != setup.equations.system:
         remedy = "make one of its own equations"
         raise UsageError(f"the plan is not one of {robot.name}", "sim.walk", remedy)
     require_sound(setup, plan)
@@ -259,6 +260,7 @@ SETTLED = {"path", *(k for k, s in SETTINGS.items() if s.affects <= {*PLAN})}
 
 def _scenario_of(robot: Robot, plan: Plan, changes: dict[str, Any]) -> Scenario:
     """The scenario that a plan of a robot carries out, with some settings changed."""
+    require_keys(changes, "sim.walk", (), (*SETTINGS, *SETTLED))
     for name in sorted(changes.keys() & SETTLED):
         remedy = "leave it out, or plan with it"
         raise UsageError(f"the plan has settled {name} already", "sim.walk", remedy)

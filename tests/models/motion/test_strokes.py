@@ -8,6 +8,7 @@ import pytest
 from models.contact.dissipation import foot_velocities
 from models.contact.kinematics import Kinematics
 from models.library import load
+from models.motion.robot_equations import equations
 from models.motion.strokes import PANEL, PANEL_NODES, Strokes, _Panels
 
 MOVES = [
@@ -120,3 +121,8 @@ def test_feet_that_stand_slip_by_what_the_body_does_not_give_way():
     assert slip(np.array([1.0]))[0] == pytest.approx(total, rel=1e-4, abs=1e-15)
     after = slip(np.array([2.0]))[0] - slip(np.array([1.0]))[0]
     assert (after > 0).all()
+
+
+def test_fields_that_do_not_exist_are_refused(hexapod):
+    with pytest.raises(ValueError, match="fields is 'Paper'; choose paper or lifted"):
+        equations(hexapod, "Paper")

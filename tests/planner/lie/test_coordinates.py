@@ -255,3 +255,22 @@ def test_adjoint_action_is_conjugation(data):
     conjugate = algebra.expand(a).exp() * algebra.expand(b) * algebra.expand(-a).exp()
     vector = np.array([moved[k] for k in range(len(basis))], dtype=object)
     assert equal(algebra.expand(vector), conjugate)
+
+
+def test_inputs_may_fill_the_same_array_at_every_call():
+    basis, buffer = hall_basis(2, 2), np.zeros(3)
+
+    def inputs(time):
+        buffer[:2] = 1, 2 * time
+        return buffer
+
+    fresh = backward(basis, lambda time: [1, 2 * time, 0])
+    assert backward(basis, inputs) == pytest.approx(fresh, abs=1e-12)
+
+
+def test_what_floats_cannot_hold_and_inputs_without_nodes_are_refused():
+    basis = hall_basis(2, 3)
+    with pytest.raises(ValueError, match=r"coordinates are not finite: \[1e\+200, "):
+        backward(basis, [1e200] * 5)
+    with pytest.raises(ValueError, match=r"shape \(5,\) have no axis of nodes before"):
+        integrate(basis, [1.0] * 5)

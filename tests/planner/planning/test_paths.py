@@ -105,3 +105,13 @@ def test_the_perimeter_of_an_ellipse_is_the_length_of_its_path():
     around = 4 * np.pi / 4 * weights @ speed
     assert ellipse_perimeter((0.1, 0.06)) == pytest.approx(around, rel=1e-14)
     assert ellipse_perimeter((0.06, 0.1)) == ellipse_perimeter((0.1, 0.06))
+
+
+def test_a_function_may_fill_the_same_array_at_every_call():
+    buffer = np.zeros(2)
+
+    def path(s):
+        buffer[:] = s, 2 * s
+        return buffer
+
+    assert as_path(path).at(np.array([0.25, 1.0])).tolist() == [[0.25, 0.5], [1, 2]]

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from sim.errors import UsageError
 from sim.evaluation.assessment import evaluate
 from sim.scenarios.file import load_scenario
 from sim.scenarios.predictions import known_of
@@ -103,3 +104,9 @@ def test_a_robot_that_would_tip_over_has_no_prediction_and_the_time_is_told(
     found = evaluate(laden.walk, LEFT_OUT)
     assert found.unpredicted["compliant"] == "the robot tips over at 0.00 s"
     assert "compliant" not in found.predicted
+
+
+@pytest.mark.parametrize("without", [["complaint"], "compliant"])
+def test_what_no_walk_is_compared_with_cannot_be_left_out(without):
+    with pytest.raises(UsageError, match="is not allowed: without; give some of ideal"):
+        evaluate(None, without)

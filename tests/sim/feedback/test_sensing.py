@@ -79,3 +79,19 @@ def test_a_reading_that_is_no_pose_is_refused(pose):
 def test_a_sensor_cannot_err_by_less_than_nothing(value):
     with pytest.raises(ValueError, match="position is .*; give 0 or more"):
         Sensing(position=value)
+
+
+@pytest.mark.parametrize(
+    ("numbers", "remedy"),
+    [
+        ({"position": -1.0}, "position is -1.0; give 0 or more"),
+        ({"lost": 2}, "lost is 2; give a share from 0 to 1"),
+        ({"wild": 1.1}, "wild is 1.1; give a share from 0 to 1"),
+        ({"readings": 0}, "readings is 0; give a whole number from 1"),
+        ({"every": 1.5}, "every is 1.5; give a whole number from 1"),
+    ],
+    ids=str,
+)
+def test_sensors_that_do_not_exist_are_refused(numbers, remedy):
+    with pytest.raises(ValueError, match=remedy):
+        Sensing(**numbers)

@@ -31,10 +31,18 @@ def test_settings_of_which_a_plan_is_made_are_refused(planned, changes):
     )
 
 
-def test_the_plan_of_another_robot_is_refused(planned):
+@pytest.mark.parametrize("name", ["quadruped", "hexapod-classroom"])
+def test_the_plan_of_another_robot_is_refused(planned, name):
     _, plan = planned
-    with pytest.raises(UsageError, match="the plan is not one of quadruped: sim.walk;"):
-        walk(load("quadruped"), plan)
+    with pytest.raises(UsageError, match=f"the plan is not one of {name}: sim.walk;"):
+        walk(load(name), plan)
+
+
+def test_a_setting_that_does_not_exist_is_refused_with_the_nearest(planned):
+    with pytest.raises(
+        UsageError, match="'friktion': sim.walk; did you mean"
+    ):
+        walk(*planned, friktion=1)
 
 
 @pytest.mark.physics
