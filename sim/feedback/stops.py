@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -59,23 +60,33 @@ def read(text: str) -> tuple[Stop, ...]:
 
     A missing column is a KeyError, other errors of a line are ValueErrors.
     """
-    stops = tuple(
-        Stop(
-            int(table["segment"]),
-            float(table["time"]),
-            float(table["seconds"]),
-            *(
-                tuple(float(table[f"{key}_{name}"] or "nan") for name in names)
-                for key, names in NAMES.items()
-            ),
-        )
-        for table in csv_rows(text, "feedback.csv")
+    stops: list[Stop] = []
+    for number, table in enumerate(csv_rows(text, "feedback.csv")):
+        with suppress(ValueError):
+            stop = _stop(table)
+            if stop.segment == number and _may_follow(stop, stops):
+                stops.append(stop)
+                continue
+        raise ValueError(f"feedback.csv has an impossible stop {number}")
+    return tuple(stops)
+
+
+def _stop(table: Mapping[str, str]) -> Stop:
+    """A row as it was written, without regard to what it says."""
+    groups = (
+        tuple(float(table[f"{key}_{name}"] or "nan") for name in names)
+        for key, names in NAMES.items()
     )
-    for number, stop in enumerate(stops):
-        numbers = np.hstack(stop._replace(seen=tuple(np.nan_to_num(stop.seen))))
-        if stop.segment != number or not (np.abs(numbers) < LARGEST).all():
-            raise ValueError(f"feedback.csv has an impossible stop {number}")
-    return stops
+    first = int(table["segment"]), float(table["time"]), float(table["seconds"])
+    return Stop(*first, *groups)
+
+
+def _may_follow(stop: Stop, others: Sequence[Stop]) -> bool:
+    """Whether a walk may have a stop after those before it."""
+    numbers = np.hstack(stop._replace(seen=tuple(np.nan_to_num(stop.seen))))
+    later = stop.time > (others[-1].time if others else 0.0)
+    spreads = (stop.seconds, *stop.doubt, *stop.claimed)
+    return later and min(spreads) >= 0 and bool((np.abs(numbers) < LARGEST).all())
 
 
 def stop_after(

@@ -21,10 +21,24 @@ def test_a_stop_with_a_number_too_large_is_refused(key, number):
         read(written([STOPS[0], STOPS[1]._replace(**{key: pose})]))
 
 
-@pytest.mark.parametrize("changed", [{"segment": 5}, {"time": float("nan")}])
-def test_a_stop_out_of_its_order_is_refused(changed):
-    with pytest.raises(ValueError, match=r"impossible stop 1|could not convert"):
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {"segment": 5}, {"segment": 1.5}, {"time": float("nan")}, {"time": 1.0},
+        {"time": -5.0}, {"seconds": -8.0}, {"doubt": (-1.0, 0.0, 0.0)},
+        {"claimed": (0.0, 0.0, -1.0)},
+    ],
+    ids=str,
+)  # fmt: skip
+def test_a_stop_that_cannot_follow_the_one_before_is_refused(changed):
+    with pytest.raises(ValueError, match=r"^feedback\.csv has an impossible stop 1$"):
         read(written([STOPS[0], STOPS[1]._replace(**changed)]))
+
+
+def test_a_word_for_a_number_is_refused_with_its_file_and_row():
+    text = written(STOPS).replace("2.0,1.0,", "x,1.0,")
+    with pytest.raises(ValueError, match=r"^feedback\.csv has an impossible stop 1$"):
+        read(text)
 
 
 def test_only_what_was_seen_may_be_missing():

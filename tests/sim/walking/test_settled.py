@@ -39,9 +39,7 @@ def test_the_plan_of_another_robot_is_refused(planned, name):
 
 
 def test_a_setting_that_does_not_exist_is_refused_with_the_nearest(planned):
-    with pytest.raises(
-        UsageError, match="'friktion': sim.walk; did you mean"
-    ):
+    with pytest.raises(UsageError, match="'friktion': sim.walk; did you mean"):
         walk(*planned, friktion=1)
 
 
