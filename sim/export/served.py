@@ -15,6 +15,7 @@ from models.description import actuator_of
 from planner import Array
 from sim.drive.drive import Drive
 from sim.drive.rehearsal import Beforehand
+from sim.errors import UsageError
 from sim.export.servo_commands import taken
 from sim.feedback.stops import Stop, stop_after
 from sim.motion.schedule import Schedule, Scheduler
@@ -25,6 +26,13 @@ from sim.walking.walks import next_segment
 
 SERVO_RATE = 50.0  # commands a second where the servos have no rate, as most take
 Row = tuple[float, Array]  # time [s], and the angle of every joint [rad]
+
+IN_PIECES: dict[str, tuple[str | int, ...]] = {
+    "optimise": ("none",),
+    "steer": ("ideal", "quasi-static", "identified"),
+    "correct": (1,),
+}
+"""What settings for whole paths may be where each piece is planned on its own."""
 
 
 class ServedWalk:
@@ -100,9 +108,18 @@ class ServedWalk:
 
 
 def served(scenario: Scenario, rate: float = SERVO_RATE) -> ServedWalk:
-    """A served walk of a scenario, on a robot of which no imperfection is known."""
+    """A served walk of a scenario, on a robot of which no imperfection is known.
+
+    Settings for plans of the whole path are refused.
+    """
+    for key, plain in IN_PIECES.items():
+        if (value := getattr(scenario, key)) not in plain:
+            what = (
+                f"{key} = {value!r} is for a whole path, and drive plans piece by piece"
+            )
+            raise UsageError(what, f"scenario {scenario.name!r}", f"leave {key} out")
     setup = prepare(scenario)
     plain = drawn(scenario, setup.robot).as_planned
     learn = True if scenario.learn is None else scenario.learn
-    asked = replace(plain, replan=True, learn=learn, optimise="none")
+    asked = replace(plain, replan=True, learn=learn)
     return ServedWalk(prepare(asked, setup.robot), rate)

@@ -28,3 +28,16 @@ def test_the_end_is_printed_as_json_where_no_commands_are(capsys, as_json, comma
         assert len(end["claimed"]) == 3
     else:
         assert lines == []
+
+
+@pytest.mark.parametrize(
+    ("key", "value"), [("optimise", "time"), ("steer", "compliant"), ("correct", "2")]
+)
+def test_what_is_for_a_whole_path_is_refused(key, value, capsys):
+    assert main([*WORDS, "--set", f"{key}={value}"]) == 2
+    line = capsys.readouterr().err.strip()
+    assert line.startswith(f"stratawalk: error: {key} = ")
+    assert line.endswith(
+        f"is for a whole path; drive plans piece by piece: scenario 'line'; leave "
+        f"{key} out"
+    )
