@@ -247,9 +247,9 @@ def is_position_servo(gain: float, bias: float) -> bool:
 
 def actuators_of(model: mujoco.MjModel, joint: str) -> list[int]:
     """Indices of the actuators that drive a joint."""
-    on_joints = np.isin(model.actuator_trntype, ON_JOINT)
-    same = model.actuator_trnid[:, 0] == model.joint(joint).id
-    return [int(i) for i in np.flatnonzero(on_joints & same)]
+    driven, kinds = model.actuator_trnid[:, 0], model.actuator_trntype
+    own = np.flatnonzero(driven == model.joint(joint).id).tolist()
+    return [i for i in own if mujoco.mjtTrn(kinds[i]) in ON_JOINT]
 
 
 def actuator_of(model: mujoco.MjModel, joint: str) -> int:
