@@ -249,15 +249,14 @@ def prepare(
     described, extended, kinematics = made
     if log is None and scenario.motion is not None:
         log = read_log(Path(scenario.motion), robot.card.joints, robot.legs)
+    of_world = world_cache(scenario, robot, shared)
     if log is None:
         require_gait(scenario, robot, described)
-        servo = servo_settings(scenario, robot.card)
-        of_world = world_cache(scenario, robot, shared)
         world, model = of_world("world", partial(built, robot, scenario))
         lift = lift_angle(kinematics, scenario.lift_height)
     else:  # which begins in a posture of its own
         robot = posed(robot, log)
-        kinematics, servo = Kinematics(robot), servo_settings(scenario, robot.card)
+        kinematics = Kinematics(robot)
         world, model = built(robot, scenario)
         lift = robot.card.lift_angle
     limits = MotionLimits(
@@ -277,13 +276,14 @@ def prepare(
         kinematics=kinematics,
         world=world,
         model=model,
-        servo=servo,
+        servo=servo_settings(scenario, robot.card),
         limits=limits,
         motion=None if log is None else Motion(log, robot, limits),
     )
     if setup.motion is None:
         model = (setup.as_planned if scenario.bumps else setup).model
-        check_standing(kinematics, model, lift, scenario, setup.with_imperfections)
+        tried = kinematics, model, lift, scenario, setup.with_imperfections
+        of_world("standing", partial(check_standing, *tried))
     return setup
 
 

@@ -7,6 +7,7 @@ import pytest
 
 from models import load
 from sim.planning.open_loop import plan_open_loop
+from sim.preparation import setup
 from sim.preparation.setup import prepare
 from sim.preparation.shared import PLAN, WORLD, Shared
 from sim.scenarios.body_path import line
@@ -105,6 +106,15 @@ def test_scenarios_that_differ_in_the_way_share_a_model(plain, hexapod):
     bumpy = changed(plain, "bumps")  # which lie along the way
     first, again = (prepare(bumpy, hexapod, shared).model for _ in range(2))
     assert first is not again
+
+
+def test_whether_a_robot_stands_is_tried_once_a_world(plain, hexapod, monkeypatch):
+    shared, tried = Shared(), []
+    monkeypatch.setattr(setup, "check_standing", lambda *given: tried.append(given))
+    for name in ("friction", "path", "bumps", "bumps"):  # bumps lie along the way
+        prepare(changed(plain, name), hexapod, shared)
+        prepare(plain, hexapod, shared)
+    assert len(tried) == 4
 
 
 def test_things_are_made_once_and_the_oldest_are_forgotten():
