@@ -21,10 +21,12 @@ from sim.reports.page import NAME
 from sim.run_folder import run
 from sim.scenarios.body_path import line
 from sim.scenarios.scenario import Scenario
+from tests import shipped
 from tests.trials import FORKED
 from tests.walks import COSTLY
 
 REPORT = run_folder._report
+shipped.share()
 # Tests begin many processes, each of which would otherwise compile all modules anew.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
