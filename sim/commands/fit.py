@@ -81,6 +81,11 @@ def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | No
         what = f"{first!r} is neither a robot nor a run, and a log names no robot"
         raise UsageError(what, "fit", f"name it: {command('fit', 'hexapod', first)}")
     run = runs.get(paths[0])
+    for path, other in runs.items():
+        if run and other.card != run.card:
+            raise UsageError(
+                f"another robot than {first}'s", str(path), "fit each alone"
+            )
     robot = cli.robot_of(options, run.scenario.robot if run and not named else first)
     settings = cli.settings_of(options)
     if run and settings:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from itertools import groupby, islice
@@ -44,6 +45,8 @@ def sweep(options: argparse.Namespace) -> ExitCode:
     if workers and scheduler is not None:
         what = "a scheduler has workers of its own"
         raise UsageError(what, "--workers and --scheduler", "keep one of them")
+    if scheduler is not None and not re.search(r":\d+$", scheduler):
+        raise UsageError("an address without a port", scheduler, "give tcp://HOST:PORT")
     workers = workers or len(os.sched_getaffinity(0))
     with cli.working(options, "checking points"):
         points = sweeping.points_of(asked, shard)

@@ -112,8 +112,8 @@ def served(scenario: Scenario, rate: float = SERVO_RATE) -> ServedWalk:
 
     Settings for plans of the whole path are refused.
     """
-    for key, plain in IN_PIECES.items():
-        if (value := getattr(scenario, key)) not in plain:
+    for key, allowed in IN_PIECES.items():
+        if (value := getattr(scenario, key)) not in allowed:
             what = (
                 f"{key} = {value!r} is for a whole path, and drive plans piece by piece"
             )

@@ -138,12 +138,14 @@ def read_log(
             file are, or what makes radians of the numbers of each joint.
 
     Raises:
-        UsageError: It is no such table, or too large; a column is nothing of the robot,
-            a number not finite or not an angle, or time does not ascend.
+        UsageError: It is missing, no such table, or too large; a column is nothing of
+            the robot, a number not finite or not an angle, or time does not ascend.
         OSError: It cannot be read.
     """
     try:
         return _log(_table(path), joints, legs, angles)
+    except FileNotFoundError as error:
+        raise UsageError("no such log", str(path), "check the path") from error
     except (ValueError, csv.Error) as error:
         raise UsageError.at(str(path), error, "correct the file") from error
 
@@ -151,6 +153,8 @@ def read_log(
 def _table(path: Path) -> dict[str, Array]:
     """Columns of numbers by name, NaN where cells are empty."""
     text = read_file(path, LARGEST_LOG).decode("utf-8-sig", "replace")
+    if "\0" in text:
+        raise ValueError("it is no text in UTF-8; save it in UTF-8")
     parted = max(",;\t", key=text.partition("\n")[0].count)
     lines = (row for row in csv.reader(text.splitlines(), delimiter=parted) if row)
     names = [name.strip() for name in next(lines, [])]

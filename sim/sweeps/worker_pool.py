@@ -285,7 +285,7 @@ def _local(stack: ExitStack, workers: int) -> LocalCluster:
         atexit.unregister(close_clusters)  # which cannot close one half started
         raise
     except (RuntimeError, OSError) as error:
-        remedy = "where memory is short, ask for fewer"
+        remedy = "where memory or file handles are short, ask for fewer"
         what = "a worker died as it started"
         raise SweepError(what, f"{workers} here", remedy) from error
     return stack.enter_context(cluster)

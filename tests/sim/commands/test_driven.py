@@ -38,6 +38,6 @@ def test_what_is_for_a_whole_path_is_refused(key, value, capsys):
     line = capsys.readouterr().err.strip()
     assert line.startswith(f"stratawalk: error: {key} = ")
     assert line.endswith(
-        f"is for a whole path; drive plans piece by piece: scenario 'line'; leave "
+        f"is for a whole path, and drive plans piece by piece: scenario 'line'; leave "
         f"{key} out"
     )

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from models import load
+from sim.cli import main
 from sim.fitting.estimate import Estimates
 from sim.fitting.poses import (
     BODY,
@@ -144,3 +145,10 @@ def test_a_walk_and_its_log_show_the_same_moments(walked):
     first = run.time[run.walking][0]
     assert known.times - log.time == pytest.approx(np.full_like(log.time, first))
     assert known.pose == pytest.approx(log.pose)
+
+
+def test_runs_of_two_robots_are_not_fitted_as_one(walked, folder, capsys):
+    card = folder / "model.toml"
+    card.write_text(card.read_text().replace("Two tripods", "Two other tripods"))
+    assert main(["fit", str(walked), str(folder)]) == 2
+    assert "another robot than" in capsys.readouterr().err

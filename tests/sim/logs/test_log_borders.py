@@ -203,3 +203,12 @@ def test_names_with_a_point_are_columns_and_others_are_joints():
         require_joints(["hip_1", "hip_2"], ["hip_1"])
     with pytest.raises(ValueError, match=r"there is no column 'body\.z'"):
         require_joints(["body.z"], ["hip_1"])
+
+
+def test_a_missing_log_and_one_in_utf_16_are_what_was_given_wrongly(tmp_path):
+    path = tmp_path / "log.csv"
+    with pytest.raises(UsageError, match="^no such log: .*log.csv; check the path$"):
+        read_log(path, ("hip_1",), (1,))
+    path.write_text("time,hip_1\n0,0\n1,0.1\n", encoding="utf-16")
+    with pytest.raises(UsageError, match="no text in UTF-8: .*; save it in UTF-8$"):
+        read_log(path, ("hip_1",), (1,))

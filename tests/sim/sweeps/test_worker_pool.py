@@ -180,8 +180,7 @@ def listening(address):
     [
         ("tcp://127.0.0.1:9", "after 1 s"),
         ("tls://127.0.0.1:9", "got None"),
-        ("http://evil", "'wss'])"),
-        ("x", "missing port number in address 'x'"),
+        ("http://evil:80", "'wss'])"),
     ],
 )
 def test_a_scheduler_that_does_not_answer_is_refused(
@@ -195,6 +194,15 @@ def test_a_scheduler_that_does_not_answer_is_refused(
     assert f"{said}: {nobody}; start one with `dask scheduler`" in line
     assert f"; 0 of 1 points are done and kept in {tmp_path / 'o'}; go on: " in line
     assert line.endswith(f"--scheduler {nobody} --resume")
+
+
+def test_an_address_without_a_port_is_refused_before_anything_is_made(tmp_path, capsys):
+    file = write_sweep(tmp_path, "[grid]\nfriction = [0.5]\n")
+    words = ("sweep", file, "--out", tmp_path / "o", "--scheduler", "x")
+    assert main(list(map(str, words))) == 2
+    (line,) = told(capsys.readouterr().err)
+    assert line.endswith("an address without a port: x; give tcp://HOST:PORT")
+    assert not (tmp_path / "o").exists()
 
 
 def leave(connection):
