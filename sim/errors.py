@@ -15,12 +15,15 @@ from typing import ClassVar, Self
 
 from models import MeasurementError, ModelError, ProblemError, UnknownRobotError
 from planner import PlannerError
+from planner.support import sentences
 from sim.endings import ENDS, ExitCode as ExitCode, kept_work, way_on
 from sim.interruption import HungUp, OutOfTime, Terminated
 
 LONGEST_MESSAGE = 1000  # characters of a line; what is left out is in its middle
 ROOT = Path(__file__).resolve().parent.parent
 LAYERS = ("planner", "models", "sim")
+
+message = sentences("sim", "refusals.toml")
 
 
 class StratawalkError(Exception):

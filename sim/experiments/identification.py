@@ -25,7 +25,7 @@ from models import (
 from models.contact import UPRIGHT
 from models.motion import FailedField, MeasuredField
 from planner import Array, Flow
-from sim.errors import SimulationError
+from sim.errors import SimulationError, message
 from sim.motion.poses import relative, tilt, trail
 from sim.motion.schedule import Scheduler
 from sim.physics.recording import Moments, recorded
@@ -76,10 +76,7 @@ def confirmed(setup: Setup, name: str, field: MeasuredField) -> MeasuredField:
     ways = np.linspace(0.0, came, WAY_PARTS)
     share = _shares(setup, field, ways, way, pose)
     if (worst := share[ways <= field.span].max()) > TOLERATED:
-        raise MeasurementError(
-            f"a stroke in the opposite direction departs from its prediction by "
-            f"{100 * worst:.0f} % of its motion"
-        )
+        raise MeasurementError(message("departs", share=100 * worst))
     beyond = np.flatnonzero(share > TOLERATED)
     reach = float(ways[beyond[0] - 1] if len(beyond) else ways[-1])
     return replace(field, reach=max(reach, field.span), off=float(worst))
@@ -131,9 +128,8 @@ def _check(setup: Setup, stratum: str, way: Moments) -> None:
     """Refuse a swing during which mostly other feet than the stratum's stood."""
     leaning = float(tilt(way.qpos, setup.robot.root_address_in(setup.model)).max())
     if leaning > UPRIGHT:
-        raise MeasurementError(
-            f"on S{stratum} the robot tilts by {np.rad2deg(leaning):.3g} degrees"
-        )
+        angle = np.rad2deg(leaning)
+        raise MeasurementError(message("tilts", stratum=stratum, angle=angle))
     planned = setup.robot.planted(stratum)
     wrong = (way.contact != planned).mean(axis=0) > 0.5
     for leg, foot, down in zip(setup.robot.legs, wrong, planned, strict=True):
@@ -198,9 +194,7 @@ def _stroke_back(
             continue
         order = np.argsort(way)
         return way[order], np.unwrap(pose[order], axis=0, period=2 * np.pi)
-    raise MeasurementError(
-        f"it could not be confirmed by a stroke in the opposite direction: {refusal}"
-    )
+    raise MeasurementError(message("not_confirmed", why=refusal))
 
 
 def _shares(

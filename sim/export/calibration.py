@@ -20,7 +20,7 @@ from models import JointServo, Kinematics, Robot, ServoKind, load
 from models.description import board_divider, toml_key
 from planner import Array
 from sim import palette
-from sim.errors import RenderError
+from sim.errors import RenderError, message
 from sim.export.servo_commands import ServoCommands
 from sim.folder import whole
 from sim.pictures import gl
@@ -51,16 +51,12 @@ def joint_servo(
         raise ValueError(f"answer + or -, not {turned!r}")
     (first, second), apart = counts, angles[1] - angles[0]
     if (second - first) * WAYS[turned] <= 0:
-        raise ValueError(
-            f"it turned {turned} as counts grew, and counts go from {first} to "
-            f"{second}; look at the marks again"
-        )
+        facts = {"turned": turned, "first": first, "second": second}
+        raise ValueError(message("turned", **facts))
     needed, likely = abs(second - first), apart / kind.resolution
     if not LIKELY * likely < needed < likely / LIKELY:
-        raise ValueError(
-            f"{needed} counts for {degrees(apart):.0f} degrees, and its make takes "
-            f"{likely:.0f}; look at the marks again"
-        )
+        facts = {"needed": needed, "angle": degrees(apart), "likely": likely}
+        raise ValueError(message("unlikely", **facts))
     longer, rate = 1.0, kind.command_rate
     if kind.signal == "pulse":
         longer = board_divider(rate, clock) / board_divider(rate)

@@ -19,7 +19,7 @@ import numpy as np
 
 from planner import Array
 from planner.support import did_you_mean, read_file
-from sim.errors import UsageError
+from sim.errors import UsageError, message
 from sim.folder import csv_text
 
 LARGEST_LOG = 10**8  # bytes
@@ -92,8 +92,7 @@ class Log:
         """
         apart = float(np.abs(self.commanded[-1] - self.commanded[0]).max())
         if times > 1 and apart > radians(1):
-            what = f"a motion that ends {apart:.3g} rad from its start"
-            raise ValueError(f"{what} cannot be repeated; let it end where it begins")
+            raise ValueError(message("not_periodic", apart=apart))
         size = self.time.size * (1 + len(self.joints))
         most = int(min(LONGEST_LOG / self.duration, MOST_NUMBERS / size))
         if times > max(most, 1):
@@ -211,9 +210,8 @@ def _log(
     for name, numbers in columns.items():
         row = int(np.nanargmax(np.abs(numbers)))
         if name.removeprefix(MEASURED) in joints and abs(numbers[row]) > FARTHEST:
-            what = f"{name!r} comes to {numbers[row]:.4g} rad in row {row + 1}"
-            remedy = "give --units where these are no radians, or correct it"
-            raise ValueError(f"{what}, at {start[row]:.4g} s; {remedy}")
+            facts = {"angle": numbers[row], "row": row + 1, "time": start[row]}
+            raise ValueError(message("far", name=name, **facts))
         if (np.abs(numbers) > LARGEST).any():
             raise ValueError(f"a number beyond {LARGEST:g} in column {name!r}")
         if name in BODY["spread"] and (numbers < 0).any():
@@ -240,13 +238,11 @@ def _check_time(time: Array) -> None:
         raise ValueError(f"no time in row {row}; give each row its time [s]")
     if (back := np.diff(time) < SHORTEST_STEP).any():
         row = int(back.argmax())
-        moments = f"from {time[row]:.9g} s to {time[row + 1]:.9g} s in row {row + 2}"
-        raise ValueError(
-            f"time goes {moments}; sort them, {SHORTEST_STEP:g} s apart at least"
-        )
+        facts = {"before": time[row], "after": time[row + 1], "row": row + 2}
+        raise ValueError(message("back", least=SHORTEST_STEP, **facts))
     if not SHORTEST_LOG <= (length := time[-1] - time[0]) <= LONGEST_LOG:
-        most = f"give {SHORTEST_LOG:g} to {LONGEST_LOG:g} s; times are in seconds"
-        raise ValueError(f"it lasts {length:.6g} s; {most}")
+        facts = {"least": SHORTEST_LOG, "most": LONGEST_LOG}
+        raise ValueError(message("lasting", length=length, **facts))
 
 
 def _said_of_clock(time: Array) -> Iterator[str]:
@@ -255,16 +251,10 @@ def _said_of_clock(time: Array) -> Iterator[str]:
     if time[0]:
         yield f"time begins at {time[0]:.6g} s and is counted from there"
     if (gaps := steps > CLOCK_GAP * usual).any():
-        yield (
-            f"gaps of up to {steps.max():.3g} s between rows, {gaps.sum()} in all; "
-            "commands are interpolated across them"
-        )
+        yield message("gaps", longest=steps.max(), count=gaps.sum())
     regular = steps[~gaps]
     if len(regular) and regular.std() > JITTER * usual:
-        yield (
-            f"times between rows vary by {1e3 * regular.std():.2g} ms around "
-            f"{1e3 * usual:.3g} ms; each row keeps its own time"
-        )
+        yield message("jitter", spread=1e3 * regular.std(), usual=1e3 * usual)
 
 
 def _bridged(time: Array, angle: Array, joint: str, done: list[str]) -> Array:
@@ -276,9 +266,8 @@ def _bridged(time: Array, angle: Array, joint: str, done: list[str]) -> Array:
         raise ValueError(f"column {joint!r} is empty; leave it out")
     rows = np.flatnonzero(there)
     longest = np.diff(time[rows])[np.diff(rows) > 1].max(initial=0.0)
-    done.append(
-        f"{joint}: empty cells bridged, {(~there).sum()}; {longest:.3g} s at most"
-    )
+    count = (~there).sum()
+    done.append(f"{joint}: empty cells bridged, {count}; {longest:.3g} s at most")
     return np.interp(time, time[there], angle[there])
 
 

@@ -26,6 +26,7 @@ from planner import (
 )
 from planner.planning import Slack, Step, grid
 from planner.support import point, tick
+from sim.errors import message
 from sim.experiments.identification import twist_model
 from sim.motion.prediction import Predictor, inspections
 from sim.motion.stability import stability_margin
@@ -205,17 +206,9 @@ class MarginBound:
         return Slack("min_margin", self.least, standing, margins - self.least, unit="m")
 
     def _refusal(self, stratum: str, standing: float, walking: float) -> BoundError:
-        cannot = f"min_margin of {self.least:.4g} m cannot be kept: "
-        if walking > standing:
-            return BoundError(
-                f"{cannot}the walk keeps {walking:.4g} m although its legs are "
-                "repositioned before every lift-off, and shorter segments need the "
-                "same lift-offs; ask for less"
-            )
-        return BoundError(
-            f"{cannot}standing on S{stratum} with all legs at angle 0 the margin is "
-            f"{standing:.4g} m, which shorter segments cannot exceed; ask for less"
-        )
+        what = "margin_walking" if walking > standing else "margin_standing"
+        facts = {"walking": walking, "standing": standing, "stratum": stratum}
+        return BoundError(message(what, least=self.least, **facts))
 
 
 def _standing_margin(setup: Setup) -> tuple[str, float]:
@@ -263,13 +256,10 @@ class ClearanceBound:
         self, stratum: str, pose: Array, qpos: Array, clearance: float
     ) -> BoundError:
         part, obstacle = self.surroundings.nearest(qpos)
-        missing = 1e3 * (self.least - clearance)
-        return BoundError(
-            f"the nominal path itself, standing on S{stratum}, has {part} "
-            f"{1e3 * clearance:.1f} mm from obstacle {obstacle} at {point(pose)}, "
-            f"where more than {1e3 * self.least:.1f} mm are required; make "
-            f"{missing:.1f} mm more room there, or lower min_clearance"
-        )
+        facts = {"part": part, "obstacle": obstacle, "place": point(pose)}
+        facts |= {"room": 1e3 * clearance, "least": 1e3 * self.least}
+        facts |= {"missing": 1e3 * (self.least - clearance), "stratum": stratum}
+        return BoundError(message("room", **facts))
 
     def swept(self, stage: ForeseenStretch) -> Array:
         """A lower bound on the clearance after each row but the last, (T - 1,) [m]."""

@@ -17,7 +17,7 @@ import shapely
 
 from planner import Array, BoundError
 from planner.support import point, tick
-from sim.errors import UsageError
+from sim.errors import UsageError, message
 from sim.obstacles.clearance import Surroundings, surroundings
 from sim.preparation.setup import Setup
 from sim.scenarios import body_path as nominal
@@ -54,10 +54,7 @@ def _around(setup: Setup) -> NominalPath:
             path = nominal.waypoints([tuple(pose) for pose in found.tolist()])
             return replace(path, goal=goal)
     clearance = least + SIDE_ROOM[-1]
-    raise BoundError(
-        f"no way found to {point(goal)} that keeps {1e3 * clearance:.1f} mm from all "
-        "obstacles; make more room, or give waypoints"
-    )
+    raise BoundError(message("no_way", goal=point(goal), room=1e3 * clearance))
 
 
 def _require_room(
@@ -69,11 +66,9 @@ def _require_room(
     worst = int(clearances.argmin())
     if clearances[worst] <= least:
         part, obstacle = around.nearest(qpos[worst])
-        raise BoundError(
-            f"the {name} {point(pose)} has {part} {1e3 * clearances[worst]:.1f} mm "
-            f"from obstacle {obstacle}, where more than {1e3 * least:.1f} mm are "
-            "required; move one of them"
-        )
+        facts = {"room": 1e3 * clearances[worst], "least": 1e3 * least}
+        facts |= {"what": f"{name} {point(pose)}", "part": part, "obstacle": obstacle}
+        raise BoundError(message("close", **facts))
 
 
 class _Search:

@@ -43,7 +43,7 @@ UNITS = {
 }  # fmt: skip
 """Of the numbers of a robot's shape; the others are lengths."""
 SHEET_HEIGHT = 3.2  # [in]
-LONGEST = 60  # letters of a label
+LONGEST_LABEL = 60  # letters
 MOST_LABELS = 200  # at an axis
 EXTREMES = 5  # points among the best, and among the worst
 
@@ -234,7 +234,7 @@ def _labels(values: Sequence[object]) -> list[str]:
 
 def _label(value: object) -> str:
     text = f"{value:.3g}" if isinstance(value, float) else str(value)
-    return text if len(text) <= LONGEST else f"{text[:20]} ... {text[-20:]}"
+    return text if len(text) <= LONGEST_LABEL else f"{text[:20]} ... {text[-20:]}"
 
 
 def _legend(axes: Axes, results: Results) -> None:

@@ -14,6 +14,7 @@ import numpy as np
 
 from models import ModelError, Robot
 from models.description import FOLDER, compile_model
+from sim.errors import message
 from sim.scenarios.scenario import Scenario
 
 BUMPS = "bumps"  # name of the height field
@@ -68,10 +69,8 @@ def ensure_floor(spec: mujoco.MjSpec, robot: Robot) -> Floor:
     feet = [spec.geom(name) for name in robot.card.feet]
     for foot in feet:
         if not (foot.contype or foot.conaffinity):
-            raise ModelError(
-                f"foot {foot.name!r} never touches anything: {robot.path}; its contype "
-                "and conaffinity are 0: give it contype or name another geom"
-            )
+            facts = {"foot": foot.name, "source": robot.path}
+            raise ModelError(message("untouchable", **facts))
     planes = _planes(spec, robot, feet)
     floors = [p for p in planes if p.tilt < LEVEL and not p.out_of_reach]
     if not floors:
@@ -110,14 +109,10 @@ def _refuse_half_a_floor(plane: _Plane, robot: Robot) -> None:
     if len(plane.out_of_reach) == len(robot.card.feet) or plane.tilt >= WALL:
         return
     if plane.tilt >= LEVEL:
-        raise ModelError(
-            f"{plane} is tilted by {np.rad2deg(plane.tilt):.3g} degrees: {robot.path}; "
-            "a floor is horizontal: level it or leave it out"
-        )
-    raise ModelError(
-        f"{plane} cannot be touched by {', '.join(map(repr, plane.out_of_reach))}: "
-        f"{robot.path}; a floor is for all feet: correct contype or conaffinity"
-    )
+        facts = {"angle": np.rad2deg(plane.tilt), "source": robot.path}
+        raise ModelError(message("tilted", plane=plane, **facts))
+    feet = ", ".join(map(repr, plane.out_of_reach))
+    raise ModelError(message("half", plane=plane, feet=feet, source=robot.path))
 
 
 def _join_scene(spec: mujoco.MjSpec, feet: list[mujoco.MjsGeom]) -> Floor:

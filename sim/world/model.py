@@ -19,6 +19,7 @@ import numpy as np
 from models import Kinematics, ModelError, Robot
 from models.description import ON_JOINT, compile_model, elements_with_files, one_line
 from planner import Array
+from sim.errors import message
 from sim.scenarios.scenario import Scenario
 from sim.world.dead_bands import ensure_dead_bands
 from sim.world.floor import Floor, add_bumps, ensure_floor, scene
@@ -223,10 +224,8 @@ def _read(path: Path, robot: Robot) -> bytes:
     try:
         return path.read_bytes()
     except OSError as error:
-        raise ModelError(
-            f"an asset cannot be read, {error.strerror}: {path}, which {robot.path} "
-            "uses; put it there, or correct meshdir or texturedir"
-        ) from error
+        facts = {"why": error.strerror, "path": path, "source": robot.path}
+        raise ModelError(message("asset", **facts)) from error
 
 
 def origin(robot: Robot) -> tuple[str, dict[str, bytes]]:

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from sim.cli import main
 from sim.errors import UsageError
 from sim.sweeps.file import (
     MOST_POINTS,
@@ -16,6 +17,8 @@ from sim.sweeps.file import (
     read_sweep,
     sobol_block,
 )
+from tests.commands import told
+from tests.sweeps import write_sweep
 
 
 def stretched(given, key="friction"):
@@ -184,3 +187,12 @@ def test_run_folders_are_of_points_that_there_are(tmp_path, keep, said):
     path.write_text(path.read_text().replace("[0, 3]", "[3, 0, 3]\nfilm = true"))
     assert read_sweep(str(path)).run_folders == (0, 3)
     assert read_sweep(str(path)).filmed is True
+
+
+def test_an_address_without_a_port_is_refused_before_anything_is_made(tmp_path, capsys):
+    file = write_sweep(tmp_path, "[grid]\nfriction = [0.5]\n")
+    words = ("sweep", file, "--out", tmp_path / "o", "--scheduler", "x")
+    assert main(list(map(str, words))) == 2
+    (line,) = told(capsys.readouterr().err)
+    assert line.endswith("an address without a port: x; give tcp://HOST:PORT")
+    assert not (tmp_path / "o").exists()

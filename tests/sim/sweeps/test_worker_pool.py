@@ -196,15 +196,6 @@ def test_a_scheduler_that_does_not_answer_is_refused(
     assert line.endswith(f"--scheduler {nobody} --resume")
 
 
-def test_an_address_without_a_port_is_refused_before_anything_is_made(tmp_path, capsys):
-    file = write_sweep(tmp_path, "[grid]\nfriction = [0.5]\n")
-    words = ("sweep", file, "--out", tmp_path / "o", "--scheduler", "x")
-    assert main(list(map(str, words))) == 2
-    (line,) = told(capsys.readouterr().err)
-    assert line.endswith("an address without a port: x; give tcp://HOST:PORT")
-    assert not (tmp_path / "o").exists()
-
-
 def leave(connection):
     pass
 
