@@ -1,11 +1,13 @@
 """Torques made up for: how they are smoothed, read, and held against servos."""
 
+from copy import copy
 from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from sim.drive import rehearsal
 from sim.drive.drive import LEAST_FRICTION, Drive, _needed, _zero_offsets
 from sim.drive.feed_forward import (
     GIVES,
@@ -16,7 +18,9 @@ from sim.drive.feed_forward import (
     stiffened,
 )
 from sim.drive.practice import _half_counts
-from sim.errors import UsageError
+from sim.drive.rehearsal import Foreseen
+from sim.errors import SimulationError, UsageError
+from sim.motion.schedule import Scheduler
 from sim.preparation.setup import prepare
 from sim.scenarios.file import load_scenario
 
@@ -169,3 +173,83 @@ def test_swing_joints_whose_slack_is_odd_are_shifted_by_half_a_count(width, odd)
     assert found == pytest.approx(best)
     plain = prepare(load_scenario("line"))
     assert (_half_counts(plain, np.full(len(joints), 0.01)) == 0).all()
+
+
+@pytest.fixture(scope="module")
+def foreseeing():
+    soft = {"servo_stiffness": 50.0, "feed_forward": "predicted"}
+    return prepare(load_scenario("line", soft))
+
+
+def test_commands_beyond_a_joint_s_range_are_refused_with_angle_and_time(foreseeing):
+    """A torque of 50 N m bends a servo of 50 N m/rad by a whole radian."""
+    scheduler = Scheduler(foreseeing.limits, foreseeing.at_rest, 2000)
+    scheduler.hold(0.5)
+    schedule, joints = scheduler.finish(), leg_actuators(foreseeing)
+    model, dt = foreseeing.model, foreseeing.limits.timestep
+    low, high = model.actuator_ctrlrange[joints[3]]
+    torques = np.zeros((6, model.nu))
+    for sign, end in ((1, high), (-1, low)):
+        drive = Drive(foreseeing)
+        rest = drive._rest[3]
+        torques[4, joints[3]] = 50 * (end - rest) + 10 * sign  # 0.2 rad beyond
+        torques[2, joints[3]] = 50 * (end - rest) - 10 * sign
+        with pytest.raises(SimulationError) as caught:
+            drive.require_reach(schedule, FeedForward(torques, 100))
+        assert caught.value.where == f"t = {2000 * dt + 400 * dt:.2f} s"
+        name = model.actuator(int(joints[3])).name
+        assert caught.value.what == (
+            f"servo {name!r} would be commanded to {end + 0.2 * sign:.3f} rad, "
+            f"beyond its range from {low:.3f} to {high:.3f} rad"
+        )
+        torques[4] = torques[2]
+        drive.require_reach(schedule, FeedForward(torques, 100))
+        torques[4, joints[3]] = 1e3
+        measured = replace(
+            foreseeing, servo=replace(foreseeing.servo, feed_forward=True)
+        )
+        Drive(measured).require_reach(schedule, FeedForward(torques, 100))
+    drive.require_reach(schedule, None)
+    endless = copy(model)
+    endless.actuator_ctrllimited[joints] = 0
+    Drive(replace(foreseeing, model=endless)).require_reach(
+        schedule, FeedForward(torques, 100)
+    )
+
+
+def test_what_is_foreseen_of_a_stretch_is_read_after_each_of_its_commands(monkeypatch):
+    """Of a made-up body whose servos bear ever more: t, 2 t and 3 t after t seconds."""
+    given = {"command_rate": 100.0, "servo_stiffness": 50.0}
+    setup = prepare(load_scenario("line", given))
+    axis = np.array([[[0.0, 0, 1], [0, 1, 0]], [[0, -1, 0], [0, 0, 0]]])  # one lacks
+    actuator, seen = np.array([[4, 0], [7, 0]]), []
+
+    def made_up(known):
+        assert known.servo.rate == 0  # the prediction knows no rate of commands
+        assert known.model.actuator_gainprm[4, 0] > 50  # and no soft servos
+        torque = np.array([[1.0, 2.0], [3.0, np.nan]])
+        bears = SimpleNamespace(
+            at=lambda t: SimpleNamespace(torque=t[:, None, None] * torque)
+        )
+        anatomy = SimpleNamespace(axis=axis, actuator=actuator)
+        return SimpleNamespace(
+            mechanics=SimpleNamespace(anatomy=anatomy), follow=lambda _: bears
+        )
+
+    def course_of(known, phases, legs, rows):
+        seen.append((sum(map(len, rows)), [leg.pose.tolist() for leg in legs]))
+
+    monkeypatch.setattr(rehearsal, "phases_of", made_up)
+    monkeypatch.setattr(rehearsal, "course_of", course_of)
+    foreseen, dt, start = Foreseen(setup), setup.limits.timestep, 0
+    for number, lasting in ((1, 0.2), (2, 0.3)):
+        scheduler = Scheduler(setup.limits, setup.at_rest, start)
+        scheduler.hold(lasting)
+        schedule = scheduler.finish()
+        torques = foreseen.torques(schedule).at(np.array([100]))[0]
+        after = (start + 100 + 1) * dt
+        bearing = torques[[4, 0, 7]]
+        assert bearing == pytest.approx(after * np.array([1, 2, 3]))
+        assert np.count_nonzero(torques) == 3
+        assert seen[-1] == (schedule.stop, [[0, 0, 0]] * number)
+        start = schedule.stop

@@ -1,0 +1,105 @@
+"""What walks say when they are interrupted, and what becomes of several draws."""
+
+from argparse import Namespace
+from contextlib import contextmanager
+from dataclasses import replace
+from types import SimpleNamespace
+
+import pytest
+
+from sim import endings, run_folder
+from sim.commands import walks
+from sim.commands.walks import Try, judged_tries, tries_of, walk_tries
+from sim.errors import ExitCode
+from sim.folder import RunFolder
+from sim.scenarios.file import load_scenario
+
+LINE = load_scenario("line", {"draw": 5})
+
+
+@pytest.fixture
+def interrupted(monkeypatch, tmp_path):
+    """Make the end of a walk that is interrupted as soon as it has a folder."""
+    out = tmp_path / "walk"
+    out.mkdir()
+    monkeypatch.setattr(walks, "claim", lambda *_: RunFolder(out))
+    monkeypatch.setattr(endings, "_words", ("run", "line", "--tries", "4"))
+    said = []
+
+    @contextmanager
+    def keeping(kept):
+        said.append(kept())
+        raise KeyboardInterrupt
+        yield
+
+    monkeypatch.setattr(walks, "keeping", keeping)
+
+    def of(walk, *given):
+        options = Namespace(out=None, json=True, tries=4, tolerance=0.05)
+        with pytest.raises(KeyboardInterrupt):
+            walk(*(options if word is ... else word for word in given))
+        return said.pop()
+
+    return out, of
+
+
+def test_draws_that_are_kept_are_not_walked_again(interrupted):
+    out, of = interrupted
+    table, rest = out / "tries.csv", "go on: stratawalk run line"
+    given = tries_of, LINE, None, ..., []
+    assert of(*given) == (
+        f"0 of 4 draws are kept in {table}; {rest} --draw 5 --tries 4"
+    )
+    table.write_text("draw,verdict\n5,arrived\n6,arrived\n7,fell\n")
+    assert of(*given) == (
+        f"3 of 4 draws are kept in {table}; {rest} --draw 8 --tries 1"
+    )
+
+
+def test_a_walk_that_is_complete_goes_on_with_its_pictures(interrupted):
+    out, of = interrupted
+    (out / "summary.json").write_text("{}")
+    for look, on in ((None, "show"), ("paper", "film")):
+        said = of(walks._walk, LINE, None, look, ..., [])
+        assert said == f"the walk is complete; go on: stratawalk {on} {out}"
+
+
+def test_a_draw_is_as_far_off_as_its_end_or_its_prediction(monkeypatch, tmp_path):
+    """Whichever is more; without a goal it is the prediction alone."""
+    weighed = [
+        SimpleNamespace(goal=0.03, farthest=0.02),
+        SimpleNamespace(goal=0.01, farthest=0.02),
+        SimpleNamespace(goal=None, farthest=0.02),
+        None,
+    ]
+    monkeypatch.setattr(walks, "MEASURES", {})
+    monkeypatch.setattr(
+        run_folder,
+        "run",
+        lambda scenario, *_, **__: SimpleNamespace(
+            verdict="arrived", weighed=weighed[scenario.draw]
+        ),
+    )
+    plain = replace(LINE, draw=0)
+    said = []
+    folder = RunFolder(tmp_path)
+    tries = walk_tries(plain, None, folder, range(4), lambda *now: said.append(now))
+    assert [one.off for one in tries] == [0.03, 0.02, 0.02, None]
+    assert [share for _, share in said] == [0, 0.25, 0.5, 0.75]
+    assert len((tmp_path / "tries.csv").read_text().splitlines()) == 1 + 4
+
+
+def test_draws_are_judged_by_the_worst_and_none_that_ends_on_the_spot_is_off(capsys):
+    def judged(*offs):
+        tries = [Try(3 + i, "arrived", off=off) for i, off in enumerate(offs)]
+        return judged_tries(tries, 0.05, "see there")
+
+    assert judged(0.0, 0.0) == judged(0.0, 0.04) == ExitCode.OK
+    assert capsys.readouterr().err == ""
+    assert judged(0.0, 0.04, 0.061, 0.09) == ExitCode.TOLERANCE
+    assert capsys.readouterr().err == (
+        "stratawalk: error: 2 ended farther off goal or prediction than --tolerance "
+        "0.05, at worst 9 % of the path, yaw included: 4 draws; see there\n"
+    )
+    assert judged(0.0, None) == ExitCode.SIMULATION
+    assert "1 failed, draw 4 first (arrived)" in capsys.readouterr().err

@@ -1,0 +1,56 @@
+"""What is laid out and seen of a plan before it is walked."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from planner import Flow
+from sim.preparation.setup import prepare
+from sim.scenarios.file import load_scenario
+from sim.walking import finished
+from sim.walking.finished import Ahead, laid_out
+
+PLAN = SimpleNamespace(segments=lambda: iter([[Flow("1", "g1_1", 0.05)]]))
+SOFT = {"servo_stiffness": 50.0, "servo_damping": 1.0}
+
+
+@pytest.fixture(scope="module")
+def setup():
+    return prepare(load_scenario("line"))
+
+
+def test_every_stretch_has_the_torques_of_its_own_schedule_where_servos_are_soft(
+    setup, monkeypatch
+):
+    told = SimpleNamespace(torques=lambda schedule: ("torques of", schedule))
+    monkeypatch.setattr(finished, "rehearsal_of", lambda _: told)
+    standing, walking = laid_out(prepare(load_scenario("line", SOFT)), PLAN)
+    for stretch in (standing, walking):
+        assert stretch.torques == ("torques of", stretch.schedule)
+        assert stretch.pose.tolist() == [0, 0, 0]
+    assert walking.schedule.start == standing.schedule.stop > 0
+    # stiff servos may be rehearsed for their strength, which changes no command
+    assert [stretch.torques for stretch in laid_out(setup, PLAN)] == [None, None]
+    monkeypatch.setattr(finished, "rehearsal_of", lambda _: None)
+    soft = prepare(load_scenario("line", SOFT | {"feed_forward": False}))
+    assert [stretch.torques for stretch in laid_out(soft, PLAN)] == [None, None]
+
+
+def test_a_plan_ends_where_all_its_commands_have_led(setup, monkeypatch):
+    lasting = laid_out(setup, PLAN)[-1].schedule.stop
+
+    def course_of(known, phases, legs, rows):
+        ends = [leg.schedule.stop for leg in legs]
+        assert ends[-1] == lasting > ends[0]
+        return sum(map(len, rows))
+
+    def follow(course):
+        """A body that goes a millimetre with every command."""
+        return SimpleNamespace(pose=np.outer(1e-3 * np.arange(course + 1), [1, 0, 0]))
+
+    fake = SimpleNamespace(follow=follow)
+    monkeypatch.setattr(finished, "phases_of", lambda _: fake)
+    monkeypatch.setattr(finished, "course_of", course_of)
+    end = Ahead(setup).end(setup, PLAN)
+    assert end.tolist() == pytest.approx([1e-3 * lasting, 0, 0])
