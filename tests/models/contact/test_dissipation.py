@@ -248,3 +248,18 @@ def test_the_viscous_law_gives_the_public_grids_of_two_footed_strata(given):
     assert least_dissipation_twist(feet[None], rates[None], np.ones((1, 2)))[
         0
     ] == pytest.approx(found, abs=1e-7)  # feet that keep their distance need not slide
+
+
+def test_a_foot_that_drags_twice_in_all_directions_is_one_with_four_loads():
+    """Drag grows with the square of what the ellipse makes of a velocity."""
+    rng = np.random.default_rng(4)
+    feet, rates = rng.normal(size=(2, 2, 4, 2))
+    loads = rng.uniform(0.5, 1.5, (2, 4))
+    grip = np.tile(np.eye(2), (2, 4, 1, 1))
+    plain = viscous_twist(feet, rates, loads)
+    assert viscous_twist(feet, rates, loads, grip) == pytest.approx(plain)
+    grip[:, 1] *= 2
+    heavy = loads * [1, 4, 1, 1]
+    known = viscous_twist(feet, rates, heavy)
+    assert viscous_twist(feet, rates, loads, grip) == pytest.approx(known)
+    assert np.abs(known - plain).max() > 0.01

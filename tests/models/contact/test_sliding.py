@@ -8,6 +8,7 @@ import pytest
 
 from models.contact import sliding
 from models.contact.dissipation import (
+    ellipses,
     foot_jacobians,
     foot_velocities,
     least_dissipation_twist,
@@ -96,6 +97,49 @@ def test_rigid_legs_on_soft_ground_slide_with_least_dissipation(robot, world):
     known = least_dissipation_twist(stance.feet, rates, loads)
     # friction is smoothed below 1e-4 of the fastest rate; near a tie that shows tenfold
     assert twist == pytest.approx(known, abs=2e-3)
+
+
+@pytest.mark.parametrize("uneven", ["feet", "directions"])
+def test_uneven_friction_on_rigid_legs_slides_with_least_dissipation(uneven):
+    """Less friction of a foot drags as less of a load, and ellipses as they are."""
+    stance, rates = standing(load_robot("hexapod"), [-0.2, 0.1])
+    soft, rigid = np.linspace(1e-5, 3e-5, 6), np.full(6, np.inf)
+    frictions, grip = (), None
+    if uneven == "feet":
+        frictions = (0.2, 0.8, 0.4, 0.8, 0.1, 0.6)
+    else:
+        lengthwise = stance.feet / np.linalg.norm(stance.feet, axis=-1)[..., None]
+        grip = ellipses(lengthwise, (0.5, 1.0))
+    ground = Ground(soft, rigid, 0.8, 20.0, frictions=frictions)
+    twist, loads = sliding_twist(stance, rates, ground, grip=grip)
+    borne = loads * (np.array(frictions or (0.8,) * 6) / 0.8)
+    known = least_dissipation_twist(stance.feet, rates, borne, grip)
+    assert twist == pytest.approx(known, abs=2e-3)
+    even = least_dissipation_twist(stance.feet, rates, loads)
+    assert np.abs(known - even).max() > 0.01
+
+
+def test_how_a_foot_without_friction_slides_does_not_matter(hexapod):
+    stance, rates = standing(hexapod, [0.1])
+    frictions = (0.0, 0.8, 0.8, 0.8, 0.8, 0.8)
+    given = {"contact": np.full(6, 2e-5), "servo": np.full(6, 40.0), "push": 1e-3}
+    ground = Ground(friction=0.8, weight=20.0, frictions=frictions, **given)
+    found = sliding_twist(stance, rates, ground, speed=0.5)
+    rates = rates.copy()
+    rates[:, 0] *= -0.5
+    for one, other in zip(
+        found, sliding_twist(stance, rates, ground, 0.5), strict=True
+    ):
+        assert one == pytest.approx(other, abs=1e-6)
+    assert found[1].sum() == pytest.approx(1)
+
+
+def test_the_ground_is_as_rough_as_its_roughest_foot(hexapod, scenario):
+    rubbing = (0.5, 0.3, 0.7, 0.4, 0.6, 0.35)
+    ground = Ground.of(hexapod, load(build(hexapod, scenario(foot_friction=rubbing))))
+    assert ground.frictions == pytest.approx(rubbing)
+    assert ground.friction == pytest.approx(0.7)
+    assert ground.friction * ground.shares == pytest.approx(rubbing)
 
 
 def test_small_steps_of_the_smoothing_lead_where_leaps_do(robot, world, monkeypatch):

@@ -5,7 +5,9 @@ from types import SimpleNamespace
 import mujoco
 import numpy as np
 import pytest
+from mujoco import batch
 
+from sim.errors import SimulationError
 from sim.physics.engine import LAST_STATES, STRETCH, Engine, Record
 from sim.physics.measure import (
     ContactLog,
@@ -70,6 +72,38 @@ def test_a_joint_runs_away_beyond_a_hundred_radians_a_second(model, speed, said)
     qvel = np.zeros((3, model.nv))
     qvel[1, model.joint("lift_2").dofadr] = -speed
     assert Engine(model)._runaway(qvel) == said
+
+
+def test_a_divergence_is_laid_to_the_joint_of_the_warning_and_to_its_last_step(model):
+    """A warning tells its kind, then the place of a coordinate and a count."""
+    engine = Engine(model)
+    engine.steps, place = 400, int(model.joint("lift_3").qposadr[0])
+    warned = engine._batch.warning.copy()
+    warning = int(mujoco.mjtWarning.mjWARN_BADQPOS)
+    warned[0, warning] = place, 1
+    engine._batch = SimpleNamespace(warning=warned)
+    qpos = np.cumsum([0.0, 0.1, 0.1, 0.0, 0.0])[:, None]  # two steps that moved
+    seen = Record(qpos, np.zeros((5, model.nv)), qpos, qpos)
+    with pytest.raises(SimulationError) as caught:
+        engine._check_warnings(seen)
+    found = caught.value
+    assert found.what == "simulation diverged at joint 'lift_3', warning BADQPOS"
+    assert found.where == f"t = {(400 + 2) * model.opt.timestep:.4f} s"
+    assert engine.steps == 403  # the third is the last that was carried out
+
+
+def test_what_the_engine_refuses_is_told_with_the_time(model):
+    engine = Engine(model)
+    engine.steps = 1000
+
+    def rollout(*_, **__):
+        raise batch.SimulationError([0], "no such thing")
+
+    engine._batch = SimpleNamespace(rollout=rollout)
+    with pytest.raises(SimulationError) as caught:
+        engine._play(np.zeros((3, model.nu)))
+    assert "no such thing" in caught.value.what
+    assert caught.value.where == f"t = {1000 * model.opt.timestep:.4f} s"
 
 
 @pytest.mark.physics

@@ -1,9 +1,12 @@
 """Maps of a study: what is written in their squares."""
 
+import numpy as np
+import pytest
 from matplotlib.figure import Figure
 
 from sim.studies import maps
 from sim.studies.results import Results
+from tests.studies import results
 
 
 def test_a_number_in_a_map_is_within_the_class_whose_colour_it_has():
@@ -24,3 +27,21 @@ def test_a_number_in_a_map_is_within_the_class_whose_colour_it_has():
         "0.1503",
         "0.40",
     ]
+
+
+@pytest.mark.parametrize(("count", "size"), [(30, 260), (100, 90), (1001, 9)])
+def test_points_of_a_map_share_one_area_within_limits_and_show_the_worst(count, size):
+    """9000 square points, from 9 to 260 for one."""
+    across = (np.arange(count) + 0.5).tolist()
+    up = [1.0 - value for value in across]
+    shares = [0.0, *[0.001] * (count - 1), 0.3]  # of the first place there are two
+    some = results(shares, a=[*across, across[0]], b=[*up, up[0]])
+    axes = Figure().add_subplot()
+    maps._draw_map(axes, some, "a", "b")
+    (points,) = axes.collections
+    assert points.get_sizes() == pytest.approx([size])
+    assert points.get_linewidths() == [0]
+    assert points.get_offsets().tolist() == np.transpose([across, up]).tolist()
+    first, *others = map(tuple, points.get_facecolors())
+    assert first not in others
+    assert len(others) == count - 1

@@ -1,0 +1,114 @@
+"""What `fit` hands from the servos to the body, and the sources that it refuses."""
+
+import json
+from argparse import Namespace
+from dataclasses import dataclass
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from sim.commands import fit as command
+from sim.commands.fit import fit
+from sim.errors import UsageError
+from sim.fitting.estimate import Estimates, Parameter
+
+
+@dataclass(frozen=True)
+class Course:
+    """As much of a walk as the command looks at."""
+
+    times: np.ndarray
+
+
+def options(*sources, **changes):
+    given = {"sources": [*sources], "out": None, "json": False, "walking": False}
+    more = {"set": [], "allow_external": False, "units": "radians"}
+    return Namespace(**given | more | changes)
+
+
+def body():
+    """A friction of 0.7, known to a tenth, and a load of 20 ms for the table's sake."""
+    parameters = (
+        Parameter(name="friction", unit="", spread=1.0, step=0.1),
+        Parameter(name="late", unit="s", spread=1.0, step=0.1),
+    )
+    value, start = np.array([[0.7, 0.02]]), np.zeros((1, 2))
+    information = np.diag([99.0, 1e6])[None]
+    found = Estimates(parameters, start, value, information, np.ones(1))
+    settings = {"friction": (0.7, 0.1)}
+    return SimpleNamespace(found=found, before=0.004, after=0.001, settings=settings)
+
+
+@pytest.mark.parametrize("late", [0.0, 0.03])
+def test_the_body_is_fitted_to_a_walk_whose_commands_came_late(
+    late, monkeypatch, capsys, hexapod
+):
+    """By the delay of the servos, where one was found."""
+    setup, asked = SimpleNamespace(robot=hexapod), []
+    log = SimpleNamespace(measured=None if not late else 1)
+    sources = setup, [log], Course(np.array([1.0, 2.0]))
+    servos = SimpleNamespace(
+        settings=lambda _: {"command_delay": (late, 0.001)},
+        joints=(), before=np.zeros(0), after=np.zeros(0),
+        make=SimpleNamespace(unseen=list),
+    )  # fmt: skip
+    monkeypatch.setattr(command, "_sources", lambda _: sources)
+    monkeypatch.setattr(command, "fit_joints", lambda *_: servos)
+    monkeypatch.setattr(command, "_of_servos", lambda _: None)
+
+    def fit_poses(walked):
+        asked.append(walked.times.tolist())
+        return body()
+
+    monkeypatch.setattr(command, "fit_poses", fit_poses)
+    fit(options(json=True))
+    assert asked == [pytest.approx([1 - late, 2 - late])]
+    told = json.loads(capsys.readouterr().out)
+    assert told["settings"]["friction"] == {"value": 0.7, "error": 0.1}
+    assert told["body"]["held_out"] == {"before": 0.004, "after": 0.001}
+    fit(options())
+    said = [line.split() for line in capsys.readouterr().out.splitlines()]
+    assert ["friction", "0.70", "+-", "0.10"] in said
+    assert ["late", "20.00", "+-", "1.00", "ms"] in said
+
+
+def refused(*given, **changes):
+    with pytest.raises(UsageError) as caught:
+        command._sources(options(*given, **changes))
+    return caught.value.what, caught.value.where
+
+
+def test_a_run_is_of_its_own_robot_unless_another_is_named(monkeypatch, tmp_path):
+    monkeypatch.setattr(
+        command,
+        "read_run",
+        lambda _: SimpleNamespace(scenario=SimpleNamespace(robot="quadruped")),
+    )
+    loaded = []
+    monkeypatch.setattr(command.cli, "robot_of", lambda _, name: loaded.append(name))
+    again = "a run knows its settings", str(tmp_path)
+    slow = {"set": ["swing_speed=0.1"]}
+    assert refused(str(tmp_path), **slow) == again
+    assert refused("hexapod", str(tmp_path), **slow) == again
+    assert loaded == ["quadruped", "hexapod"]
+
+
+def test_poses_that_cannot_be_fitted_are_refused_with_their_log(monkeypatch, hexapod):
+    log = SimpleNamespace(measured=None, pose=1, joints=("a",))
+    monkeypatch.setattr(command.cli, "reader_of", lambda *_: lambda _: log)
+    monkeypatch.setattr(command, "check_measured", lambda *_: None)
+    monkeypatch.setattr(command, "scenario_of", lambda *_: None)
+    monkeypatch.setattr(command, "prepare", lambda *_, **__: "setup")
+
+    def walked(setup, first):
+        assert (setup, first) == ("setup", log)
+        raise ValueError("time: too short")
+
+    monkeypatch.setattr(command, "walked_of_log", walked)
+    said, where = refused("hexapod", "log.csv")
+    assert "too short" in said
+    assert "log.csv" in where
+    joints = SimpleNamespace(measured=1, pose=None, joints=("a",))
+    monkeypatch.setattr(command.cli, "reader_of", lambda *_: lambda _: joints)
+    assert command._sources(options("hexapod", "log.csv")) == ("setup", [joints], None)

@@ -1,0 +1,61 @@
+"""The world of servos that were found, and where a card that was fitted is written."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from sim.fitting import fitting
+from sim.fitting.fitting import NARROWEST, write_card
+from sim.preparation.setup import prepare
+from sim.scenarios.file import load_scenario
+from sim.world.dead_bands import band_in
+
+
+def test_a_fitted_world_has_the_stiffness_damping_slack_and_bands_that_were_found():
+    """One joint has no log, and one no band: theirs is the narrowest there is."""
+    setup = prepare(load_scenario("line"))
+    joints = setup.robot.card.joints
+    whole = np.zeros((len(joints) - 1, 6))
+    whole[:, 0], whole[:, 1], whole[:, 3] = np.log(8.0), np.log(0.3), 0.006
+    whole[:, 2] = 0.01 + 0.001 * np.arange(len(whole))
+    whole[4, 2] = 0.0
+    log = SimpleNamespace(joints=joints[:-1])
+    model = fitting._fitted_model(setup, log, whole)
+    bands = [*whole[:, 2], 0.0]
+    for joint, band in zip(joints, bands, strict=True):
+        servo = model.actuator(joint)
+        assert servo.gainprm[0] == pytest.approx(8.0)
+        assert servo.biasprm[1:3] == pytest.approx([-8.0, -0.3])
+        slack = model.joint(f"backlash_{joint}").range
+        assert slack == pytest.approx([-0.003, 0.003])
+        assert band_in(model, joint) == pytest.approx(band or NARROWEST)
+
+
+def test_a_robot_of_several_files_or_one_with_its_card_keeps_its_model(tmp_path):
+    def robot(shipped=False, files=(), inside=False):
+        return SimpleNamespace(
+            is_shipped=shipped,
+            path="own.xml",
+            opened=SimpleNamespace(files=files),
+            has_card_inside=inside,
+            read=lambda: SimpleNamespace(to_xml=lambda: "<mujoco/>"),
+        )
+
+    told = "; put it in the place of the robot's own card"
+    for number, (given, alone) in enumerate((
+        ({"files": ("own.xml", "mesh.stl")}, False),
+        ({"files": ("own.xml",), "inside": True}, False),
+        ({"inside": True}, False),
+        ({"files": ("own.xml",)}, True),
+        ({}, True),
+        ({"shipped": True, "files": ("own.xml", "mesh.stl")}, True),
+    )):  # fmt: skip
+        card = tmp_path / f"{number}.toml"
+        model = card.with_suffix(".xml")
+        said = write_card(robot(**given), card, "a = 1\n")
+        assert card.read_text() == "a = 1\n"
+        assert said == (
+            f"{card}; use it as --robot {model}" if alone else f"{card}{told}"
+        )
+        assert model.exists() == alone
