@@ -50,8 +50,8 @@ class Log:
     NaN where the log has a gap, and None where it has no such columns.
 
     Raises:
-        ValueError: Arrays contradict one another, time does not ascend, or a command is
-            not finite.
+        ValueError: Arrays contradict one another, time does not ascend from 0, or a
+            command is not finite.
     """
 
     time: Array  # (n,) [s]
@@ -72,13 +72,13 @@ class Log:
             raise ValueError(f"commands {self.commanded.shape} for {(rows, width)}")
         if not np.isfinite(self.commanded).all():
             raise ValueError("a command is not a finite number")
-        if (np.diff(self.time) <= 0).any():
-            raise ValueError("time does not ascend")
+        if self.time[0] or (np.diff(self.time) <= 0).any():
+            raise ValueError("time does not ascend from 0")
 
     @property
     def duration(self) -> float:
         """From the first row to the last [s]."""
-        return float(self.time[-1] - self.time[0])
+        return float(self.time[-1])
 
     def at(self, time: Array) -> Array:
         """Commands at times (T,), evenly between rows, held beyond the ends, (T, J)."""

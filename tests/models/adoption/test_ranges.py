@@ -4,6 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from models.adoption.anatomy import FARTHEST, Pose, find_limbs
 from models.adoption.draft import draft_card
 from models.adoption.source import source_of
 from models.errors import ModelError
@@ -60,3 +61,28 @@ def test_legs_that_touch_at_once_are_refused_with_their_parts(tmp_path):
     path.write_text(path.read_text().replace('size=".014"', 'size=".042"'))
     with pytest.raises(ModelError, match="'shin_.' and 'shin_.' touch at once"):
         draft_card(source_of(str(path)))
+
+
+def test_a_hinge_without_a_range_may_go_a_quarter_turn_either_way():
+    text = """<mujoco><worldbody><body><joint name="free"/><geom size=".1"/>
+    <body><joint name="held" range="-10 90000" limited="true"/><geom size=".1"/></body>
+    </body></worldbody></mujoco>"""
+    model = mujoco.MjModel.from_xml_string(text)
+    pose = Pose(model, mujoco.MjData(model), 1)
+    assert pose.span("free") == pytest.approx((-np.pi / 2, np.pi / 2))
+    low, high = pose.span("held")
+    assert low == pytest.approx(np.radians(-10))
+    assert high == pytest.approx(FARTHEST)
+
+
+@pytest.mark.parametrize("joint", ['type="slide" name="knee"', 'type="hinge"', ""])
+def test_every_joint_of_a_leg_must_be_a_hinge_with_a_name(joint):
+    text = f"""<mujoco><worldbody><body name="torso"><freejoint/><geom size=".1"/>
+    <body pos=".2 0 0"><joint name="hip" axis="0 0 1"/><geom size=".02"/>
+    <body pos=".2 0 0"><joint {joint} axis="0 1 0"/><geom name="toe" size=".02"/>
+    </body></body></body></worldbody></mujoco>"""
+    model = mujoco.MjModel.from_xml_string(text)
+    pose = Pose.at(model, 1, model.qpos0)
+    with pytest.raises(ModelError, match="hinge") as caught:
+        find_limbs(pose, "here")
+    assert "toe" in str(caught.value)

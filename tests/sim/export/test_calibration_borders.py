@@ -9,6 +9,7 @@ import pytest
 from models import SERVO_KINDS, Kinematics, load
 from models.description import board_divider
 from models.description.servos import JointServo
+from sim.export import calibration
 from sim.export.calibration import (
     MARK,
     SECONDS,
@@ -180,3 +181,22 @@ def test_pulses_of_16_bits_are_packed():
 def test_names_in_c_are_words_and_comments_stay_comments():
     assert identifier("My walk (2)!") == "walk_my_walk_2"
     assert in_comment("a*/b\n?c\\") == "a_/b__c_"
+
+
+def test_strokes_that_check_go_15_degrees_or_to_the_nearest_end(monkeypatch):
+    """Joints stand aside of their middle: 0.1 and 0.5 rad from the nearest end."""
+    stands = {"a": 0.3, "b": -0.5, "up": 0.7}
+    spans = {"a": (0.2, 0.9), "b": (-1.0, 1.0)}
+    axes = {"a": (0.0, 0.0, 1.0), "b": (0.0, 0.6, -0.8)}
+    leg = [SimpleNamespace(swing=name, lift="up", raise_sign=1.0) for name in "ab"]
+    robot = SimpleNamespace(
+        card=SimpleNamespace(joints=[*stands], lift_angle=0.2),
+        standing_angle=stands.get, span=spans.get, legs=(1, 2), leg_cards=leg,
+    )  # fmt: skip
+    fake = SimpleNamespace(hinge=lambda name: (np.array(axes[name]), None))
+    monkeypatch.setattr(calibration, "Kinematics", lambda _: fake)
+    commands, _ = strokes(robot, 50.0)
+    off = commands.angles - [*stands.values()]
+    assert np.abs(off).max(axis=0) == pytest.approx([0.1, radians(15), 0.4])
+    assert off.max(axis=0)[0] == pytest.approx(0.1)  # anticlockwise from above
+    assert off.min(axis=0)[1] == pytest.approx(-radians(15))

@@ -4,6 +4,7 @@ import errno
 import os
 import re
 from contextlib import nullcontext
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -163,3 +164,27 @@ def test_a_pipe_that_never_answers_a_question_is_left_after_a_while(
     said = capsys.readouterr().err
     assert "100 answers to one question cannot be used: standard input; " in said
     assert "keeps 0 of 12 servos; go on: stratawalk calibrate" in said
+
+
+@pytest.mark.parametrize(
+    ("errors", "said"), [("warning\nno display\n", "no display"), ("", "no picture")]
+)
+def test_joints_that_cannot_be_drawn_are_told_with_the_last_word_of_why(
+    tmp_path, monkeypatch, errors, said
+):
+    called, robot = [], load(ROBOT)
+
+    def child(probe, limit, *words, module):
+        called.append((words, module))
+        return SimpleNamespace(returncode=1, stderr=errors)
+
+    monkeypatch.setattr(calibration.gl, "probe", lambda: "egl")
+    monkeypatch.setattr(calibration.gl, "child", child)
+    for external in (False, True):
+        with pytest.raises(RenderError) as caught:
+            calibration.draw(robot, tmp_path, allow_external=external)
+        assert caught.value.what == "cannot draw the joints"
+        assert caught.value.where == said
+    own = str(robot.path), str(tmp_path)
+    module = "sim.export.calibration"
+    assert called == [(own, module), ((*own, "external"), module)]

@@ -138,6 +138,7 @@ def plain(rows=3, **parts):
             r"commands \(2, 1\) for \(3, 1\)",
         ),
         (lambda: plain(2, commanded=np.full((2, 1), np.nan)), "not a finite number"),
+        (lambda: Log(np.array([5.0, 6.0]), (), np.zeros((2, 0))), "ascend from 0"),
         (lambda: Log(np.array([0.0, 0.0]), (), np.zeros((2, 0))), "does not ascend"),
         (lambda: Log(np.array([0.0, 1.0, 0.5]), (), np.zeros((3, 0))), "not ascend"),
     ],

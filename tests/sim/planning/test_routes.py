@@ -165,3 +165,35 @@ def test_a_long_way_in_few_segments_is_cut_until_it_can_be_followed():
     with pytest.raises(ResolutionError):
         plan_open_loop(far.recut(grid(far.scenario.path.curve, 6)))
     assert plan_open_loop(within_bounds(far)[0]).flows
+
+
+def found_way(goal, states, monkeypatch):
+    """A route that OMPL found, through some poses."""
+    pieces = []
+    way = SimpleNamespace(
+        length=lambda: sum(np.hypot(*np.diff(np.array(states)[:, :2], axis=0).T)),
+        interpolate=pieces.append,
+        getStates=lambda: states,
+    )
+    monkeypatch.setattr(route, "_pose", tuple)
+    search = SimpleNamespace(
+        goal=goal, is_free=lambda *_: True, _once=lambda *_: way, radius=0.1
+    )
+    return route._Search.run(search, 0, 3), pieces
+
+
+def test_a_goal_where_the_robot_stands_is_reached_in_one_piece_a_segment(monkeypatch):
+    way, pieces = found_way((0.0, 0.0, 0.0), [(0.0, 0.0, 0.0)] * 2, monkeypatch)
+    assert pieces == [3 + 1]
+    assert way.tolist() == [[0, 0, 0]] * 2
+
+
+@pytest.mark.parametrize(("turns", "last"), [(0, 2.5), (1, 2.5), (-1, 2.5)])
+def test_a_way_ends_at_the_goal_s_yaw_and_the_turns_that_it_took(
+    turns, last, monkeypatch
+):
+    yaws = np.linspace(0.0, last + turns * 2 * np.pi, 9)
+    wrapped = (yaws + np.pi) % (2 * np.pi) - np.pi
+    states = [(0.1 * k, 0.0, yaw) for k, yaw in enumerate(wrapped)]
+    way, _ = found_way((0.8, 0.0, last), states, monkeypatch)
+    assert way[:, 2] == pytest.approx(yaws)

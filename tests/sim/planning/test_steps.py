@@ -1,12 +1,14 @@
 """Steps of plans: where segments begin and end, and aims that are extrapolated."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from planner import ConvergenceError
 from planner.planning import grid
+from sim.planning import bounds
 from sim.planning.open_loop import (
     _extrapolated,
     _path,
@@ -107,3 +109,24 @@ def test_what_cannot_be_aimed_is_told_with_its_miss_and_twice_the_segments(setup
         "segment 2 of 4 still misses its end by 12.3 mm or mrad, steered by the ideal "
         "prediction; give --segments 8, or another --steer"
     )
+
+
+def test_where_the_plan_keeps_the_range_its_closest_segment_is_divided(monkeypatch):
+    """Only the steered plan leaves it then; the range is -0.5 to 0.4 rad."""
+    angles = np.array([0.0, 0.1, 0.3, 0.2, -0.3])  # two flows in each of two segments
+    shape = SimpleNamespace(
+        names=["x", "a"], trajectory=lambda i, flows, start: i * angles
+    )
+    planned = SimpleNamespace(segment_ends=(2, 4), flows=range(4))
+    monkeypatch.setattr(bounds, "plan", lambda *_, **__: planned)
+    setup = SimpleNamespace(
+        equations=SimpleNamespace(static_stability=True, limits={"a": (-0.5, 0.4)}),
+        scenario=SimpleNamespace(segments=2),
+        extended=SimpleNamespace(shape=shape),
+        stance="stepped",
+        nominal=lambda: None,
+    )
+    slack = bounds._reach(setup)
+    assert slack.walking == pytest.approx([-bounds.JUST_BEYOND, 0.2])
+    assert slack.standing == pytest.approx([0.4, 0.4])
+    assert bounds.JUST_BEYOND > 0

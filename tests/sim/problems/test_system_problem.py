@@ -2,15 +2,17 @@
 
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from models import shipped_system
-from planner import rollout
+from planner import Flow, rollout
 from planner.optimisation import CHEAP, deviation
 from sim import cli
 from sim.errors import UsageError
+from sim.problems import system as library
 from sim.problems.system import FLOW_SAMPLES, SystemProblem
 
 ROUNDED = 1.0 + 1e-6  # between the points at which it is looked at
@@ -85,3 +87,67 @@ def test_an_unknown_coordinate_cannot_be_freed():
 def test_a_coordinate_is_freed_for_an_optimised_plan_only(capsys):
     assert cli.main(["plan", "unicycle", "--free", "theta"]) == 2
     assert "nothing to optimise: --free; give --optimise" in capsys.readouterr().err
+
+
+def plan_between(start, goal, **parts):
+    system = shipped_system("unicycle").system
+    return SimpleNamespace(system=system, start=start, goal=goal, **parts)
+
+
+def test_what_is_missed_is_a_share_of_the_way_and_nothing_where_there_is_none(
+    monkeypatch,
+):
+    start, goal = np.array([2.0, 3.0, 0.0]), np.array([2.0, 7.0, 0.0])
+    monkeypatch.setattr(library, "rollout", lambda _: np.array([start, [2, 6.0, 0]]))
+    asked = problem("unicycle")
+    assert asked.miss(plan_between(start, goal)) == pytest.approx(1 / 4)
+    assert asked.miss(plan_between(start, start)) == 0.0
+
+
+def test_a_part_of_the_line_ends_that_far_on_the_way_from_its_start(monkeypatch):
+    asked = problem("unicycle")
+    names = [str(symbol) for symbol in asked.problem.system.state]
+    start = dict(zip(names, (2.0, 3.0, 0.5), strict=True))
+    goal = dict(zip(names, (6.0, 1.0, 0.5), strict=True))
+    given, tried = replace(asked.problem, start=start, goal=goal), []
+    asked = SystemProblem(given, objective="time")
+
+    def miss(nearer):
+        tried.append(nearer.problem.states)
+        return 0.0
+
+    monkeypatch.setattr(SystemProblem, "stratified", property(lambda own: own))
+    monkeypatch.setattr(SystemProblem, "miss", lambda own, _: miss(own))
+    assert asked.attempt(0.25) == 0.0
+    assert tried[0][0] == pytest.approx([2, 3, 0.5])
+    assert tried[0][1] == pytest.approx([3, 2.5, 0.5])
+
+
+def test_of_as_many_switches_the_shorter_plan_is_better():
+    asked = SystemProblem(shipped_system("biped"), objective="switches")
+    name = next(iter(asked.problem.system.fields))
+
+    def worth(switches, seconds):
+        flows = [Flow("1", name, seconds / 2), Flow("1", name, -seconds / 2)]
+        return asked.worth(SimpleNamespace(contact_switches=switches, flows=flows))
+
+    found = [worth(4, 1.0), worth(4, 20.0), worth(5, 1.0)]
+    assert found == sorted(set(found))
+    assert np.subtract(found, [4, 4, 5]) == pytest.approx(0, abs=1e-3)
+
+
+def test_the_least_tolerance_is_of_the_path_s_size_wherever_it_begins(monkeypatch):
+    """A plan without any deviation may depart by a hundredth of the way."""
+    kept = []
+    for begin in (0.0, 50.0):
+        given = shipped_system("unicycle")
+        names = [str(symbol) for symbol in given.system.state]
+        start = dict(zip(names, (begin, -begin, 0.0), strict=True))
+        goal = dict(zip(names, (begin + 4.0, 1.0 - begin, 0.0), strict=True))
+        asked = SystemProblem(replace(given, start=start, goal=goal), objective="time")
+        along = asked.path.at(ALONG)
+        monkeypatch.setattr(SystemProblem, "stratified", None)
+        monkeypatch.setattr(library, "rollout", lambda *_, along=along: along)
+        kept.append([tolerance.most for tolerance in asked._tolerances()])
+    assert kept[0] == pytest.approx([0.04, 0.04])
+    assert kept[1] == pytest.approx(kept[0])

@@ -8,6 +8,7 @@ import pytest
 
 from sim.errors import UsageError
 from sim.palette import OUTCOMES
+from sim.studies import sensitivities as library
 from sim.studies.maps import (
     CELL,
     EXTREMES,
@@ -181,3 +182,22 @@ def test_changes_are_a_quarter_of_their_unit():
     )
     stiff = found["stiffness of all servos"].robot.stiffness / own.stiffness
     assert stiff == pytest.approx(np.full_like(stiff, 1.025))
+
+    heavy = replace(own, body_mass=3 * own.body_mass, mass=own.mass + 2 * own.body_mass)
+    given = SimpleNamespace(robots=heavy, mechanics=phases.mechanics)
+    changed = {c.what: c.robot for c in changes_of(given, setup.robot.legs)}
+    ahead = changed["centre of mass ahead"].body_center - heavy.body_center
+    carried = ahead * heavy.body_mass / heavy.mass  # of the whole robot
+    assert carried[0] == pytest.approx([0.25e-3, 0, 0])
+
+
+def test_the_effects_on_a_run_are_those_at_its_last_moment(monkeypatch):
+    asked = []
+    run = SimpleNamespace(time=np.array([0.0, 1.0, 2.5]), legs=(1, 2))
+    monkeypatch.setattr(library, "course_of_run", lambda _: ("phases", "course"))
+    monkeypatch.setattr(library, "changes_of", lambda *given: given)
+    monkeypatch.setattr(library, "sensitivities", lambda *given: asked.append(given))
+    library.sensitivities_of(run)
+    ((phases, course, changes, times),) = asked
+    assert (phases, course, changes) == ("phases", "course", ["phases", (1, 2)])
+    assert times.tolist() == [2.5]

@@ -1,6 +1,7 @@
 """Robots made of meshes, textures and height fields, wherever their files are kept."""
 
 import struct
+from types import SimpleNamespace
 
 import imageio.v3 as iio
 import mujoco
@@ -13,6 +14,7 @@ from sim.folder import RunFolder
 from sim.run_folder import run
 from sim.scenarios.body_path import line
 from sim.scenarios.file import load_scenario
+from sim.world import model as world
 from sim.world.model import build, load as load_world
 from tests.walks import COSTLY
 
@@ -142,3 +144,24 @@ def test_another_file_of_the_same_name_is_another_mesh(hexapod_of_meshes, scenar
         sizes.append(model.geom("plate").rbound[0])
     # half diagonals, as single precision keeps the vertices
     assert sizes == pytest.approx([np.hypot.reduce(PLATE), 0.05 * 3**0.5], rel=1e-6)
+
+
+def test_a_file_that_the_compiler_dropped_is_looked_for_beside_the_model(
+    tmp_path, monkeypatch
+):
+    (tmp_path / "looks").mkdir()
+    (tmp_path / "looks" / "sky.png").write_bytes(b"sky")
+    (tmp_path / "elsewhere.png").write_bytes(b"there")
+    folders = [SimpleNamespace(meshdir="a", texturedir="b") for _ in range(3)]
+    dropped, found = (
+        SimpleNamespace(file=name, compiler=folder)
+        for name, folder in zip(("sky.png", "sea.png"), folders, strict=False)
+    )
+    elements = (dropped, "looks", None), (found, "looks", tmp_path / "elsewhere.png")
+    monkeypatch.setattr(world, "elements_with_files", lambda *_: elements)
+    spec = SimpleNamespace(modelfiledir=str(tmp_path), compiler=folders[2])
+    robot = SimpleNamespace(model=None, path="robot.xml")
+    kept = {"assets/sky.png": b"sky", "assets/elsewhere.png": b"there"}
+    assert world.gather(spec, robot) == kept
+    assert [dropped.file, found.file] == [*kept]
+    assert {folder.texturedir + folder.meshdir for folder in folders} == {""}

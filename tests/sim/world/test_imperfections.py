@@ -1,5 +1,7 @@
 """Imperfections stand in the model, and predictions know nothing of them."""
 
+from types import SimpleNamespace
+
 import mujoco
 import numpy as np
 import pytest
@@ -9,7 +11,7 @@ from sim.drive.drive import Drive
 from sim.drive.feed_forward import leg_actuators
 from sim.errors import UsageError
 from sim.preparation.setup import prepare
-from sim.world.imperfections import BACKLASH
+from sim.world.imperfections import BACKLASH, _require_hold
 from tests.walks import simulated
 
 
@@ -256,3 +258,17 @@ def test_a_floor_gives_way_to_loose_legs_as_far_as_to_rigid_ones(standing):
     assert rigid == pytest.approx(0.6e-3, rel=0.05)
     # the mobility of feet is that of bodies on average: 0.65 mm was measured
     assert loose == pytest.approx(rigid, rel=0.15)
+
+
+def test_a_level_floor_holds_a_robot_on_hardly_any_friction():
+    def held(slope, *feet):
+        given = {"slope": slope, "friction": 0.2, "foot_friction": feet, "name": "it"}
+        _require_hold(SimpleNamespace(**given))
+
+    held(None)
+    held((0.0, 1.0), 0.01, 0.02)
+    held((0.19, 0.0))
+    held((0.29, 0.0), 0.1, 0.3)  # by the foot that rubs most
+    with pytest.raises(UsageError, match="too steep for a friction of 0.2") as caught:
+        held((0.3, 0.0))
+    assert "by less than 0.197 rad, or give a friction above 0.309" in str(caught.value)

@@ -1,5 +1,7 @@
 """The written model, and the settings in it."""
 
+from types import SimpleNamespace
+
 import mujoco
 import numpy as np
 import pytest
@@ -7,7 +9,7 @@ import pytest
 from models.description.robot import FOLDER
 from models.errors import ModelError
 from models.library import load as load_robot
-from sim.world.model import build, load
+from sim.world.model import _ctrl, build, load
 from sim.world.sensors import contact_sensor
 from sim.world.servos import Channels
 
@@ -163,3 +165,29 @@ def test_commands_turn_and_raise_every_leg_of_a_group(hexapod, scenario):
 def test_the_shipped_scene_has_no_robot_in_it():
     scene = mujoco.MjModel.from_xml_path(str(FOLDER / "scene.xml"))
     assert (scene.nbody, scene.nq, scene.nu) == (1, 0, 0)
+
+
+def test_actuators_keep_what_the_robot_s_file_tells_them_unless_they_move_a_leg(
+    hexapod,
+):
+    """One that was added, of which the file knows nothing, is told nothing."""
+    leg, other = hexapod.card.joints[0], "antenna"
+    joint = mujoco.mjtTrn.mjTRN_JOINT
+    told = {"servo": 0.7, "feeler": 0.8, "cable": 0.9}
+    names = [*told]
+    robot = SimpleNamespace(
+        model=SimpleNamespace(actuator=lambda i: SimpleNamespace(name=names[i])),
+        start_ctrl=told.values(),
+        card=SimpleNamespace(joints=[leg]),
+        standing_angle=lambda name: {leg: 0.25}[name],
+    )
+    actuators = [
+        SimpleNamespace(name=name, target=target, trntype=kind)
+        for name, target, kind in (
+            ("servo", leg, joint),
+            ("feeler", other, joint),
+            ("cable", leg, mujoco.mjtTrn.mjTRN_TENDON),
+            ("spring", leg, mujoco.mjtTrn.mjTRN_SITE),
+        )
+    ]
+    assert _ctrl(SimpleNamespace(actuators=actuators), robot) == [0.25, 0.8, 0.9, 0.0]
