@@ -211,3 +211,16 @@ def test_directions_that_no_element_gives_have_no_step():
     with pytest.raises(ValueError, match=r"shape \(3,\) at a .* of shape \(2,\); give"):
         critical_step(extend(system, ["g"]), np.zeros(2), [1, 0, 0])
     assert critical_step(extend(system, ["g"]), np.zeros(2), [0, 1]) == 0
+
+
+def test_the_least_step_and_its_words_do_not_depend_on_units_or_on_other_choices():
+    """Millimetres that count as such; alternating words are followed as backward."""
+    fields = {"drive": ["1000*cos(a)", "1000*sin(a)", 0], "turn": [0, 0, 1]}
+    units = {"x": 1e-3, "y": 1e-3}
+    car = StratifiedSystem("x y a", {"0": fields}, "0", metric=units)
+    assert least_critical_step(car, np.zeros(3)) == pytest.approx(0.71436, rel=1e-3)
+    for choice, order in (
+        ("symmetric", "backward"), ("backward", "backward"), ("forward", "forward"),
+    ):  # fmt: skip
+        steps = critical_steps._Steps(car, np.zeros(3), Execution(coordinates=choice))
+        assert steps.order == order

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from itertools import chain, pairwise
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,9 +13,9 @@ from planner.execution.execution import Execution
 from planner.extension.extended import extend
 from planner.planning.algorithm import plan
 from planner.planning.archive import load_plan, save_plan
-from planner.planning.lifted_ends import plan_between, stratum_at
+from planner.planning.lifted_ends import _joined, _lift, plan_between, stratum_at
 from planner.planning.rollouts import rollout
-from planner.systems.flows import gait_steps
+from planner.systems.flows import Flow, gait_steps
 from tests.systems import GAIT, LIFTED, hexapod
 
 REVERSED = GAIT[::-1]
@@ -133,3 +134,29 @@ def test_strata_of_configurations():
     assert stratum_at(system, [*at, 0, 0.1]) == "1"
     with pytest.raises(StratumError, match="lies on no stratum"):
         stratum_at(system, [*at, 0.1, 0.1])
+
+
+def test_a_foot_is_lifted_by_its_height_however_fast_its_field_lifts_it(walker):
+    shape = SimpleNamespace(
+        system=SimpleNamespace(strata={"1": ["both", "up"]}),
+        rates={"both": np.array([1.0, 4.0]), "up": np.array([0.0, 4.0])},
+    )
+    assert _lift(shape, "1", 1, 0.2) == Flow("1", "up", pytest.approx(0.05))
+
+
+def test_every_segment_keeps_its_flows_where_feet_land_and_rise_in_between(walker):
+    """Feet land after the first stay, and rise before the last, of two segments."""
+    path = shipped_system("paper-hexapod").path
+    one, two = (next(iter(walker.system.strata[stratum])) for stratum in "12")
+    flows = [Flow("1", one, 0.1 + k) for k in range(2)]
+    flows += [Flow("2", two, 0.3 + k) for k in range(3)]
+    planned = replace(
+        plan(walker, path, 3), flows=tuple(flows), segment_ends=(1, 3, 5),
+        depart="1", arrive="2",
+    )  # fmt: skip
+    landing, lifting = [Flow("1", one, 9.0)], [Flow("2", two, 8.0), Flow("2", two, 7.0)]
+    ends = planned.start, planned.goal
+    joined = _joined(planned, landing, lifting, ends)
+    assert joined.flows == (*flows[:2], *landing, *lifting, *flows[2:])
+    own = [[f for f in part if f in flows] for part in joined.segments()]
+    assert own == [flows[:1], flows[1:3], flows[3:]]

@@ -2,9 +2,11 @@
 
 from itertools import product
 from math import inf, pi
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import sympy as sp
 
 from sim.optimisation import lower_bound
 from sim.optimisation.lower_bound import (
@@ -16,9 +18,17 @@ from sim.optimisation.lower_bound import (
     _headings,
     _largest_rate,
     _visits,
+    least_time,
 )
+from sim.preparation.setup import prepare
+from sim.scenarios.file import load_scenario
 
 SPAN, LIFTS = 0.5, 0.6  # [rad], [s]
+
+
+@pytest.fixture(scope="module")
+def setup():
+    return prepare(load_scenario("line"))
 
 
 def bent(slope=1.5, turning=0.6, bend=0.05, lifts=LIFTS):
@@ -184,3 +194,78 @@ def test_a_certificate_weighs_the_tolerance_at_cuts():
     assert lengths[0] > 1.0
     assert lengths[1] > 1.0
     assert lengths[2] == pytest.approx(0.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("stances", [("1", "2"), ("1",)])
+def test_a_bound_is_proven_by_all_groups_or_by_none(setup, monkeypatch, stances):
+    """A stroke that has no curve, on all feet perhaps, may be the fastest."""
+    seconds, curve = 1e6, bent()
+    monkeypatch.setattr(lower_bound, "_proven", lambda *_: seconds)
+    monkeypatch.setattr(
+        lower_bound,
+        "_curve",
+        lambda _, task, s: curve if s.stratum in stances else None,
+    )
+    found = least_time(setup, 0.01)
+    assert (found == seconds) == (len(stances) == 2)
+    assert 0 < found < seconds or len(stances) == 2
+
+
+def test_all_visits_but_one_may_lose_the_slowest_group_s_lifts(monkeypatch):
+    """At pieces' ends: 1.2 s of the slower group, 0.2 s each of the other."""
+    even = [
+        Curve(bent().angles, bent().planar, bent().headings, 0.0,
+              lifts + 3.0 * (bent().angles + SPAN), 0.0)
+        for lifts in (0.1, 0.6)
+    ]  # fmt: skip
+    leads = np.array([[10.0, 0.0], [10.0, 0.0]])
+    certificate = leads, np.zeros((2, ANGLES)), 0.0
+    monkeypatch.setattr(lower_bound, "_certificate", lambda *_: certificate)
+    monkeypatch.setattr(lower_bound, "_largest_rate", lambda *_: 0.5)
+    points = np.linspace([0.0, 0.0, 0.0], [1.0, 0.0, 0.0], 11)
+    setup = SimpleNamespace(scenario=SimpleNamespace(overlap_recovery=False))
+    for groups in (even, even[::-1]):
+        found = lower_bound._proven(setup, groups, points, 0.01, 0.1, 2)
+        assert found == pytest.approx(10.0 - 2 * 0.1 - 1.2)
+
+
+def curve_of(monkeypatch, direct=1, fixed=2, **task):
+    """Of strokes that turn a coordinate by 2 rad a second, after 0.6 s of lifts."""
+    x, y, a, phi = state = sp.symbols("x y a phi")
+    values = np.tile([[0.1], [0.0], [0.0]], (lower_bound.ANGLES * 20, 1, 1))
+    compiled = SimpleNamespace(values=lambda s: values[: len(s)])
+    stage, other = (SimpleNamespace(stroke="f", stratum=s, recoveries=()) for s in "12")
+    other.recoveries = tuple(
+        SimpleNamespace(field=name, rate=rate, coordinate=place)
+        for name, rate, place in (("f", -0.5, 3), ("g", 4.0, 3), ("h", 1.0, 4))
+    )
+    system = SimpleNamespace(
+        state=state, bottom="12", fields={"f": sp.Matrix([0.1, 0, 0, 2])},
+        compiled=lambda _: compiled,
+        switches=lambda one, two: fixed if one == "12" else direct,
+    )  # fmt: skip
+    price = {"f": 1.0, "g": 2.0, "h": 0.01}
+    given = {"centred": False, "cost": price.__getitem__} | task
+    task = SimpleNamespace(
+        system=system, rates=lambda _: {3: 2.0}, limits={3: (-0.4, 0.6)},
+        stages=[stage, other], **given,
+    )  # fmt: skip
+    judge = SimpleNamespace(duration=lambda flows: 0.6 + flows[0].duration)
+    monkeypatch.setattr(lower_bound, "Judge", lambda _: judge)
+    limits = SimpleNamespace(timestep=0.0)
+    return lower_bound._curve(SimpleNamespace(limits=limits), task, stage)
+
+
+def test_strokes_of_a_curve_take_the_range_at_its_rate_and_shared_lifts(monkeypatch):
+    """1 rad at 2 rad/s; of four switches a visit has one that others do not share."""
+    curve = curve_of(monkeypatch)
+    assert np.ptp(curve.times) == pytest.approx(0.5)
+    assert curve.times[0] == pytest.approx(0.6 / 4)
+    assert curve_of(monkeypatch, direct=8).times[0] == pytest.approx(0.6)
+    assert np.ptp(curve.planar.real) == pytest.approx(0.1 / 2)
+
+
+def test_a_recovery_is_as_cheap_as_the_cheapest_of_the_group(monkeypatch):
+    """2 s a radian of one, 0.5 of the other; where none is priced, it is free."""
+    assert curve_of(monkeypatch).slope == pytest.approx(0.5)
+    assert curve_of(monkeypatch, centred=True).slope == 0.0

@@ -1,14 +1,14 @@
 """Steps of plans: where segments begin and end, and aims that are extrapolated."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from planner import ConvergenceError
+from planner import ConvergenceError, Flow
 from planner.planning import grid
-from sim.planning import bounds
+from sim.planning import bounds, open_loop
 from sim.planning.open_loop import (
     _extrapolated,
     _path,
@@ -130,3 +130,55 @@ def test_where_the_plan_keeps_the_range_its_closest_segment_is_divided(monkeypat
     assert slack.walking == pytest.approx([-bounds.JUST_BEYOND, 0.2])
     assert slack.standing == pytest.approx([0.4, 0.4])
     assert bounds.JUST_BEYOND > 0
+
+
+@dataclass(frozen=True)
+class Trial:
+    """As much of a step and its plan as is looked at."""
+
+    plan: object = None
+    fraction: float = 1.0
+    flows: tuple = ()
+    segment_ends: tuple = ()
+
+
+@pytest.mark.parametrize(("miss", "fine"), [(0.019, True), (0.021, False)])
+def test_the_closest_attempt_is_taken_if_it_misses_by_a_tenth_of_the_segment(
+    setup, monkeypatch, miss, fine
+):
+    """Of 0.2 m; every attempt misses alike, and the first one least."""
+    tried = []
+
+    def plan_step(extended, here, there, execution):
+        tried.append(Trial(plan=len(tried)))
+        return tried[-1]
+
+    def segment_ends(setup, planned, twists, swing):
+        return [np.array([0.2 + miss * (1 + planned), 0.0, 0.0])]
+
+    monkeypatch.setattr(open_loop, "plan_step", plan_step)
+    monkeypatch.setattr(open_loop, "segment_ends", segment_ends)
+    given = setup, None, 2, np.array([0.2, 0.0, 0.0]), np.zeros(3), (0.0, 0.0)
+    if fine:
+        assert open_loop.steer_towards(*given) is tried[0]
+    else:
+        with pytest.raises(ConvergenceError, match="segment 3 of 4 still misses .* 21"):
+            open_loop.steer_towards(*given)
+    assert len(tried) == open_loop.AIMING_ROUNDS > 1
+
+
+def test_strokes_end_on_counts_however_fast_their_field_turns_the_group(monkeypatch):
+    """One turns the second group by -0.5 rad a unit; strokes to nowhere are left out."""
+    setup = SimpleNamespace(
+        servo=SimpleNamespace(resolution=0.1),
+        equations=SimpleNamespace(swings={"f": (0.0, -0.5), "g": (1.0, 0.0)}),
+    )
+    nearest = lambda setup, group, angle: 0.1 * round(angle / 0.1)  # noqa: E731
+    monkeypatch.setattr(open_loop, "_count", nearest)
+    flows = Flow("1", "f", 0.55), Flow("2", "g", 0.02), Flow("1", "f", -1.15)
+    step = open_loop._step_on_counts(setup, Trial(plan=Trial(flows=flows)), (0.0, 0.1))
+    kept = step.plan
+    assert [flow.field for flow in kept.flows] == ["f", "f"]
+    ends = 0.1 + np.cumsum([-0.5 * flow.duration for flow in kept.flows])
+    assert ends == pytest.approx([-0.2, 0.4])
+    assert kept.segment_ends == (2,)

@@ -158,10 +158,13 @@ def test_a_file_that_the_compiler_dropped_is_looked_for_beside_the_model(
         for name, folder in zip(("sky.png", "sea.png"), folders, strict=False)
     )
     elements = (dropped, "looks", None), (found, "looks", tmp_path / "elsewhere.png")
+    (tmp_path / "looks" / "up.png").write_bytes(b"up")
+    dropped.cubefiles = ["up.png", ""]
     monkeypatch.setattr(world, "elements_with_files", lambda *_: elements)
     spec = SimpleNamespace(modelfiledir=str(tmp_path), compiler=folders[2])
     robot = SimpleNamespace(model=None, path="robot.xml")
     kept = {"assets/sky.png": b"sky", "assets/elsewhere.png": b"there"}
+    kept["assets/up.png"] = b"up"
     assert world.gather(spec, robot) == kept
-    assert [dropped.file, found.file] == [*kept]
+    assert [dropped.file, found.file, dropped.cubefiles[0]] == [*kept]
     assert {folder.texturedir + folder.meshdir for folder in folders} == {""}
