@@ -1,9 +1,11 @@
 """Shipped robots with other numbers keep what the numbers do not touch."""
 
+import numpy as np
 import pytest
 
 from models.errors import ModelError
 from models.library import load
+from models.morphology.mjcf import legs_on_a_circle, legs_towards_pivots
 from models.morphology.shipped import MORPHOLOGIES, geometry_of, reshaped
 from models.motion.robot_equations import equations
 
@@ -43,3 +45,18 @@ def test_a_robot_of_ones_own_has_no_such_numbers(edited):
     path = str(edited().path)
     with pytest.raises(ModelError, match="change its file"):
         load(path, geometry={"kappa": 0.5})
+
+
+def test_lines_of_legs_meet_at_a_pivot_anywhere_a_part_of_the_way_behind_the_foot():
+    """And a radial leg stands in line with its pivot, wherever that is."""
+    pivot, foot = np.array([0.3, -0.4]), np.array([0.5, 0.1])
+    (leg,) = legs_towards_pivots({1: tuple(foot)}, {1: tuple(pivot)}, 0.25).values()
+    assert leg.foot == tuple(foot)
+    assert np.subtract(foot, leg.hip) == pytest.approx(0.25 * (foot - pivot))
+    (leg,) = legs_on_a_circle({1: 50.0}, 0.1, 0.07, {1: tuple(pivot)}).values()
+    hip = 0.1 * np.array([np.cos(np.radians(50)), np.sin(np.radians(50))])
+    assert leg.hip == pytest.approx(hip)
+    out, along = np.subtract(leg.foot, hip), hip - pivot
+    assert np.hypot(*out) == pytest.approx(0.07)
+    assert out[0] * along[1] == pytest.approx(out[1] * along[0])
+    assert out @ along > 0

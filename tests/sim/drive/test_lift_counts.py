@@ -1,5 +1,7 @@
 """Lift joints on counts: standing feet keep their load, and none of them bounces."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -123,3 +125,12 @@ def test_the_classroom_robot_walks_on_its_own_servos_without_a_bounce():
     assert summary["bounces"] == 0  # 4 with each joint's feed-forward rounded by itself
     assert summary["achieved"]["min_margin"] > 0.03
     assert load("hexapod-classroom").card.servo.made == "mg90"
+
+
+def test_joints_stand_at_as_many_counts_as_their_angles_hold():
+    robot = SimpleNamespace(
+        lift_joints=("a", "b"), standing_angle={"a": 0.03, "b": -0.1}.get
+    )
+    setup = SimpleNamespace(robot=robot, servo=SimpleNamespace(resolution=0.02))
+    standing = LiftCounts._standing.func(SimpleNamespace(setup=setup))
+    assert standing == pytest.approx([1.5, -5.0])

@@ -1,11 +1,15 @@
 """Practice: what commands add, so that slack in servos and gears does not show."""
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from planner.systems.flows import Flow
 from sim.drive.drive import Drive
-from sim.drive.practice import Practised
+from sim.drive.feed_forward import FeedForward
+from sim.drive.practice import Practice, Practised
 from sim.drive.rehearsal import Beforehand
 from sim.motion.schedule import Scheduler
 from sim.preparation.setup import prepare
@@ -85,3 +89,27 @@ def test_a_quarter_of_a_walk_is_practised(name, segments, yaw, band, turned):
     off = summary["error"]["goal"]
     assert 100 * off["position"] / np.hypot(*goal[:2]) <= 1.5
     assert np.degrees(abs(off["yaw"])) <= turned
+
+
+def test_practice_adds_what_is_missed_and_half_a_count_besides():
+    """Of a robot whose joints hang 0.3 and -0.2 rad beside what they are told."""
+    hang, half = np.array([0.3, -0.2]), np.array([0.05, -0.1])
+    wanted = FeedForward(np.zeros((4, 2)), 10)
+
+    def walk(schedule, made_up, shifts):
+        if shifts is None:
+            return wanted, np.zeros(3)
+        reached = shifts.values - hang
+        off = np.abs(reached - half).max()  # from what would be best
+        return replace(wanted, values=reached), np.array([off, 0.0, 0.0])
+
+    engine = SimpleNamespace(moment=0, rewind=lambda moment: None)
+    kinematics = SimpleNamespace(reach=0.2)
+    loose = SimpleNamespace(
+        engine=engine, drive=[], walk=walk, setup=SimpleNamespace(kinematics=kinematics)
+    )
+    own = SimpleNamespace(
+        _tight=SimpleNamespace(walk=walk), _loose=loose, _shift=half, _width=np.ones(2)
+    )
+    found = Practice.shifts(own, None, None)
+    assert found.values == pytest.approx(np.tile(hang + half, (4, 1)), abs=1e-3)

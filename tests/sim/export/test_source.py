@@ -221,3 +221,10 @@ def test_commands_far_beyond_what_a_joint_turns_are_refused(
         return
     with pytest.raises(UsageError, match=f"'j' is commanded from -{most:.3g} to"):
         source.Source.commands(own, 50.0)
+
+
+def test_a_table_that_begins_later_has_the_rate_of_its_rows():
+    text = "time,a\n5.0,0.1\n5.02,0.2\n5.04,0.3\n"
+    commands = read_table(text)
+    assert commands.rate == pytest.approx(50.0)
+    assert commands.angles.tolist() == [[0.1], [0.2], [0.3]]

@@ -258,3 +258,12 @@ MANY = [[5 + 0.001 * i, 0.01 * (i % 2)] for i in range(31_000)]
 def test_obstacles_that_take_minutes_to_compile_are_refused(tables):
     with pytest.raises(UsageError, match="points of obstacles: .*; give at most 3000"):
         shapes.decode(tables)
+
+
+def test_corners_that_cross_or_have_no_area_are_no_polygon():
+    bow = [(0.0, 0.0), (2.0, 0.0), (0.0, 1.0), (2.0, 3.0)]  # its sides cross
+    line = [(0.0, 0.0), (1.0, 0.0), (2.0, 1e-12)]
+    for corners in (bow, line):
+        with pytest.raises(ValueError, match="no sides crossing"):
+            shapes._polygon(corners, {})
+    assert len(shapes._polygon([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)], {})) == 1

@@ -10,6 +10,7 @@ from models.description.robot import Robot
 from models.library import load
 from sim.motion.poses import rotate
 from sim.obstacles.clearance import Outline, hulls
+from sim.preparation.setup import prepare
 
 ROUNDING = 1e-12
 ODDITIES = """
@@ -120,3 +121,13 @@ def _surface(model, data, geom, rng):
         if far >= 0:
             hits.append((start + far * direction)[:2])
     return np.array(hits)
+
+
+def test_a_robot_is_as_large_wherever_it_stands(hexapod, scenario):
+    setup = prepare(scenario())
+    outline = Outline(setup.robot, setup.model)
+    here = outline.configurations(np.zeros((1, 3)), np.zeros((1, 2)), np.zeros((1, 2)))
+    there = outline.configurations(
+        np.array([[3.0, -7.0, 1.0]]), np.zeros((1, 2)), np.zeros((1, 2))
+    )
+    assert outline.radius(there[0]) == pytest.approx(outline.radius(here[0]))

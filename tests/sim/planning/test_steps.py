@@ -168,7 +168,7 @@ def test_the_closest_attempt_is_taken_if_it_misses_by_a_tenth_of_the_segment(
 
 
 def test_strokes_end_on_counts_however_fast_their_field_turns_the_group(monkeypatch):
-    """One turns the second group by -0.5 rad a unit; strokes to nowhere are left out."""
+    """One turns its group by -0.5 rad a unit; strokes to nowhere are left out."""
     setup = SimpleNamespace(
         servo=SimpleNamespace(resolution=0.1),
         equations=SimpleNamespace(swings={"f": (0.0, -0.5), "g": (1.0, 0.0)}),
