@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from models.systems.catalogue import shipped_system
-from planner.errors import RankError
-from planner.extension.choice import choose_elements
+from planner.errors import RankError, SingularConfigurationError
+from planner.extension.choice import _candidates, choose_elements
 from planner.extension.extended import extend
 from planner.planning.algorithm import plan
 from planner.planning.paths import line
@@ -166,3 +166,12 @@ def test_a_trailer_across_behind_its_car_asks_for_one_degree_more():
     across = np.array([0.0, 0.0, np.pi / 2, 0.0, 0.0, 0.0])
     with pytest.raises(RankError, match="brackets to degree 6 suffice"):
         choose_elements(trailers, across, max_degree=5)
+
+
+def test_a_field_that_is_singular_at_one_place_is_refused_with_it():
+    system = StratifiedSystem("x y", {"0": {"f": [1, 0], "g": ["1/x", 1]}}, "0")
+    places = np.array([[1.0, 0.5], [0.0, 0.25], [2.0, 0.0]])
+    field = system.fields["g"]
+    with pytest.raises(SingularConfigurationError, match="g") as caught:
+        _candidates(system, [("g", field)], places)
+    assert "0.25" in str(caught.value)

@@ -1,5 +1,7 @@
 """Stratified panels: areas of two leg angles against brackets and flows."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import sympy as sp
@@ -7,7 +9,7 @@ import sympy as sp
 from models.library import load
 from models.motion.robot_equations import equations
 from models.systems.catalogue import shipped_system
-from planner.extension.height_functions import stratified_panels
+from planner.extension.height_functions import _angles, stratified_panels
 from planner.planning.rollouts import play
 from planner.systems.fields import lie_bracket
 from planner.systems.strata import StratifiedSystem
@@ -108,3 +110,16 @@ def test_a_panel_that_is_not_there_is_refused():
     panels = stratified_panels(hexapod(), TRIPODS)
     with pytest.raises(ValueError, match="panel phi_1 .*theta"):
         panels.at("phi_1", 0.0, 0.0)
+
+
+def test_of_coordinates_that_a_stroke_moves_one_that_bends_no_field_is_its_angle():
+    """A heading is in the fields, and is none; of angles alike the first one is."""
+    state = sp.symbols("heading a b c")
+    fields = {"f": sp.Matrix([1, sp.cos(state[0]), 0, 0])}
+    shape = SimpleNamespace(
+        system=SimpleNamespace(state=state, fields=fields),
+        coordinates=(0, 1, 2, 3),
+        rates={"f": [1.0, 4.0, 5.0, 0.0], "g": [0.0, 0.0, 0.0, 2.0]},
+    )
+    assert _angles(shape, ("f", "g")) == ((1, 3), (4.0, 2.0))
+    assert _angles(shape, ("g", "f")) == ((3, 1), (2.0, 4.0))

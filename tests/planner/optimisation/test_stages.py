@@ -1,11 +1,15 @@
 """Stages are read off the fields of a system."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
+import sympy as sp
 
 from models.systems.catalogue import shipped_system
 from planner.errors import StratumError
-from planner.optimisation.stages import amounts_of, cycle, swept
+from planner.optimisation.stages import Recovery, _recovery, amounts_of, cycle, swept
+from planner.optimisation.task import Task
 from planner.systems.flows import Flow
 
 
@@ -57,3 +61,19 @@ def test_strokes_of_a_plan_fall_into_stages_in_their_order():
     ]
     assert amounts_of(stages, flows, 4) == pytest.approx(np.array([0, 0.3, -0.5, 0]))
     assert amounts_of(stages, flows, 2) is None
+
+
+def test_a_recovery_moves_one_coordinate_at_a_constant_rate():
+    x = sp.Symbol("x")
+    columns = {"steady": [0, 3, 0], "varying": [0, x, 0], "both": [1, 3, 0]}
+    found = {name: _recovery(name, sp.Matrix(c)) for name, c in columns.items()}
+    assert found == {
+        "steady": Recovery("steady", 1, 3.0),
+        "varying": None,
+        "both": None,
+    }
+
+
+def test_the_widest_stage_tells_how_many_recoveries_there_are():
+    stages = [SimpleNamespace(recoveries=(0,) * count) for count in (1, 3, 2)]
+    assert Task.most_recoveries.fget(SimpleNamespace(stages=stages)) == 3

@@ -133,9 +133,12 @@ def test_a_point_of_a_leg_is_a_sum_of_products_of_its_swing_and_lift():
     assert [*map(float, shapes.place_of(terms, swing, lift))] == pytest.approx(best)
 
 
-@pytest.mark.parametrize("stratum", ["1", "12"])
-def test_parts_of_legs_are_where_the_outline_has_them(stratum):
-    setup = prepare(load_scenario("corridor"))
+@pytest.mark.parametrize(
+    ("robot", "stratum"),
+    [("hexapod", "1"), ("hexapod", "12"), ("hexapod-classroom", "2")],
+)
+def test_parts_of_legs_are_where_the_outline_has_them(robot, stratum):
+    setup = prepare(load_scenario("corridor", {"robot": robot}))
     robot, outline = setup.robot, shapes.Outline(setup.robot, setup.model)
     parts = shapes.moving_parts(setup, stratum)
     assert {one.leg for one in parts} == {shapes.BODY, *range(6)}
