@@ -206,3 +206,15 @@ def test_files_being_written_are_removed_before_an_end_at_once(tmp_path):
         assert not part.exists()
         part.write_text("whole")
     assert [path.name for path in tmp_path.iterdir()] == ["a.txt"]
+
+
+@pytest.mark.parametrize("before", [signal.SIG_DFL, lambda *_: None])
+def test_whoever_counted_time_before_is_back_when_a_block_ends(before):
+    kept = signal.signal(signal.SIGPROF, before)
+    try:
+        with interruption.processor_time(100.0, TimeoutError()):
+            assert signal.getsignal(signal.SIGPROF) is not before
+        assert signal.getsignal(signal.SIGPROF) == before
+        assert signal.getitimer(signal.ITIMER_PROF) == (0.0, 0.0)
+    finally:
+        signal.signal(signal.SIGPROF, kept)

@@ -8,6 +8,7 @@ import sys
 
 import pytest
 
+from models.description import inspection
 from models.description.inspection import inspect_model
 from models.description.robot import FOLDER
 from models.errors import ModelError
@@ -243,3 +244,11 @@ def test_numbers_are_looked_at_that_the_compiled_model_does_not_show(robot):
     unused = '<default class="unused"><geom friction="nan"/></default>'
     with pytest.raises(ModelError, match="friction of <geom> is 'nan'"):
         load(str(robot(f"<default>{unused}</default>")))
+
+
+def test_a_model_that_takes_all_memory_is_large(monkeypatch, tmp_path):
+    def examine(path):
+        raise MemoryError
+
+    monkeypatch.setattr(inspection, "examine", examine)
+    assert inspection.report(tmp_path) == {"large": True}

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from models.description.servos import JointServo
-from sim.export.header import pack, unpack, write_header
+from sim.export.header import pack, read_header, unpack, write_header
 from sim.export.servo_commands import ServoCommands, taken
 from tests.sim.export.test_source import JOINTS, MIRRORED, TITLE, table
 
@@ -158,3 +158,13 @@ def test_a_header_says_where_its_mounting_is_assumed(commands):
     )
     assert "// Mounting ASSUMED: these channels" in guessed
     assert "ASSUMED" not in known
+
+
+@pytest.mark.parametrize("lost", ["static const char PROGMEM", "line_channel", "_RATE"])
+def test_a_header_that_lacks_a_part_is_no_table_of_pulses(commands, lost):
+    own = table()
+    whole = write_header(commands, own, **TITLE)
+    text = "\n".join(line for line in whole.splitlines() if lost not in line)
+    assert text != whole.rstrip("\n")
+    with pytest.raises(ValueError, match="no table of pulses in PROGMEM"):
+        read_header(text, own)

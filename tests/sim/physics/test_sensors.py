@@ -24,8 +24,15 @@ def test_contacts_that_a_foot_lacks_bear_nothing():
 
 def test_groups_of_a_robot_that_stands_turned_are_at_zero():
     robot = load("hexapod-radial")
-    channels = SimpleNamespace(robot=robot, model=robot.model)
-    qpos = np.tile(robot.start_qpos, (2, 1))
+    rest = robot.start_qpos
+    turned = dict(zip(robot.swing_joints, np.linspace(0.1, 0.6, 6), strict=True))
+    for joint, angle in turned.items():
+        rest[robot.model.joint(joint).qposadr[0]] = angle
+    names = "swing_joints", "swing_gain", "group_of_leg", "groups"
+    own = {name: getattr(robot, name) for name in names}
+    standing = SimpleNamespace(standing_angle=turned.get, **own)
+    channels = SimpleNamespace(robot=standing, model=robot.model)
+    qpos = np.tile(rest, (2, 1))
     assert Channels.swing(channels, qpos) == pytest.approx(np.zeros((2, 2)), abs=1e-9)
     for joint, angle in robot.leg_angles(np.array([0.1, -0.2]), np.zeros(2)).items():
         qpos[1, robot.model.joint(joint).qposadr[0]] += angle

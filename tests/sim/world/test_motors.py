@@ -1,5 +1,7 @@
 """What owners leave out of their files: rotors, damping, and names of servos."""
 
+from types import SimpleNamespace
+
 import mujoco
 import numpy as np
 import pytest
@@ -8,6 +10,7 @@ from models.adoption.draft import draft_card
 from models.adoption.source import source_of
 from models.library import load
 from sim.preparation.setup import prepare
+from sim.world import motors
 from sim.world.changes import changes
 from tests import owners
 from tests.walks import simulated
@@ -113,3 +116,19 @@ def test_torque_that_a_file_allows_joints_is_that_of_their_servos(
         rel=1e-5,  # MJCF is written with six digits
     )
     assert not model.jnt_actfrclimited.any()
+
+
+def test_servos_of_tendons_and_of_other_joints_keep_their_limits(monkeypatch, hexapod):
+    leg, taken = hexapod.card.joints[0], []
+    joint, tendon = mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_TENDON
+    servos = [
+        SimpleNamespace(trntype=kind, target=target, biasprm=[0, 0, 0])
+        for kind, target in ((joint, leg), (tendon, leg), (joint, "antenna"))
+    ]
+    monkeypatch.setattr(motors, "added_rotors", lambda *_: {})
+    monkeypatch.setattr(motors, "undamped_joints", lambda *_: {leg})
+    monkeypatch.setattr(motors, "_take_limit", lambda servo, *_: taken.append(servo))
+    spec = SimpleNamespace(actuators=servos, joint=lambda name: name)
+    motors.ensure_motors(spec, hexapod, None)
+    assert taken == servos[:1]
+    assert [servo.biasprm[2] for servo in servos] == [motors.CRITICAL, 0, 0]

@@ -1,0 +1,113 @@
+"""How commands read logs in counts, judge tables of designs, and own cards."""
+
+from argparse import Namespace
+from types import SimpleNamespace
+
+import pytest
+
+from sim.commands import calibrate, export, options as cli, studies, walks
+from sim.commands.declared import Command
+from sim.errors import UsageError
+from sim.export import servo_table as tables, source as sources
+from sim.studies.designing import DIRECTIONS
+from sim.world import servos
+
+
+@pytest.mark.parametrize(
+    ("units", "signal", "pulses"),
+    [
+        ("counts", "pulse", True), ("counts", "bus", False), ("counts", None, False),
+        ("microseconds", "bus", True), ("microseconds", None, True),
+    ],
+)  # fmt: skip
+def test_counts_are_those_of_pulses_where_the_make_takes_them(
+    units, signal, pulses, monkeypatch, hexapod
+):
+    make, asked = signal and SimpleNamespace(signal=signal), []
+    settings = SimpleNamespace(kind=make, rate=60.0)
+    monkeypatch.setattr(servos, "servo_settings", lambda *_: settings)
+
+    def servo_table(card, joints, make, pwm, rate):
+        asked.append(pwm)
+        channels = SimpleNamespace(channels=[])
+        return SimpleNamespace(channels=[], in_microseconds=lambda: channels)
+
+    monkeypatch.setattr(tables, "servo_table", servo_table)
+    cli.reader_of(Namespace(units=units), hexapod, None)
+    assert asked == [pulses]
+
+
+def test_the_best_design_is_the_one_of_fewest_strokes():
+    rows = [
+        {"joints": 12, "min_margin": margin, "strokes_per_metre": strokes}
+        | {f"goes.{way}": way != lacks for way in DIRECTIONS}
+        for margin, strokes, lacks in (
+            (0.01, 30.0, None), (0.02, 20.0, None), (0.05, 25.0, DIRECTIONS[0]),
+            (None, 1.0, None),
+        )
+    ]  # fmt: skip
+    ((joints, count, goes, able, walked, best),) = studies._by_joints(rows)
+    assert (joints, count, able, walked) == (12, 4, 3, 3)
+    assert goes.tolist() == [3, *[4] * (len(DIRECTIONS) - 1)]
+    assert best is rows[1]
+
+
+@pytest.mark.parametrize(
+    ("inside", "check"), [(True, False), (True, True), (False, False)]
+)
+def test_a_card_inside_a_robot_s_file_is_only_checked(inside, check, tmp_path):
+    robot = SimpleNamespace(path=tmp_path / "own.xml", has_card_inside=inside)
+    given = robot, None, Namespace(check=check)
+    if inside and not check:
+        with pytest.raises(UsageError, match="the card is inside the robot's file"):
+            calibrate._owned(*given)
+    else:
+        assert calibrate._owned(*given) is robot
+
+
+@pytest.mark.parametrize(
+    ("extra", "missing", "refused"),
+    [("sweep", "dask", True), ("sweep", "planner", False), ("", "dask", False)],
+)
+def test_a_package_of_an_extra_is_asked_for_and_no_part_of_ours(
+    extra, missing, refused, monkeypatch
+):
+    def import_module(name):
+        raise ModuleNotFoundError(f"No module named {missing!r}", name=missing)
+
+    monkeypatch.setattr("sim.commands.declared.import_module", import_module)
+    with pytest.raises(UsageError if refused else ModuleNotFoundError) as caught:
+        Command("sweep", "sweeps", extra)(None)
+    if refused:
+        assert caught.value.what == "package 'dask' is not installed"
+        assert caught.value.where == "the extra 'sweep'"
+
+
+@pytest.mark.parametrize(("kind", "coarse"), [("header", 1 / 300), ("ros2", 0.0)])
+def test_what_is_read_back_may_differ_by_a_count_of_the_finest_servo(
+    kind, coarse, monkeypatch
+):
+    channels = [SimpleNamespace(counts_per_radian=n) for n in (120.0, 300.0, 200.0)]
+    table = SimpleNamespace(channels=channels, assumed=False)
+    monkeypatch.setattr(sources, "servos", lambda *_, **__: table)
+    monkeypatch.setattr(sources, "write", lambda *_: None)
+    monkeypatch.setattr(sources, "read", lambda *_: "read")
+    source = SimpleNamespace(commands=lambda rate: ("commands", rate))
+    options = Namespace(servo_table=None, rate=50.0, format=kind, microseconds=False)
+    found = export._written(options, source, None)
+    assert found == (("commands", 50.0), "read", pytest.approx(coarse))
+
+
+def test_logs_that_do_not_fit_together_are_refused_with_the_first(monkeypatch):
+    def together(logs):
+        raise ValueError("other joints")
+
+    monkeypatch.setattr(walks, "together", together)
+    monkeypatch.setattr(cli, "robot_of", lambda *_: None)
+    monkeypatch.setattr(cli, "reader_of", lambda *_: lambda file: file)
+    monkeypatch.setattr("sim.logs.playing.scenario_of", lambda *_: None)
+    given = {"robot": "hexapod", "set": [], "repeat": 1, "video": False}
+    with pytest.raises(UsageError) as caught:
+        walks.play(Namespace(files=["only.csv"], **given))
+    assert "only.csv" in str(caught.value)
+    assert "other joints" in str(caught.value)
