@@ -1,9 +1,14 @@
 """Solutions are cut at a place on the path, and joined again."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
+from planner.execution.execution import Execution
+from planner.optimisation import optimise
 from planner.optimisation.task import Solution
+from planner.planning.paths import line
 
 WHOLE = Solution(
     first=0,
@@ -74,3 +79,26 @@ def test_a_hop_moves_inserts_or_removes_one_turn_of_the_cycle():
 def test_what_is_a_single_turn_is_not_taken_away():
     for seed in range(20):
         assert len(WHOLE.hopped(4, np.random.default_rng(seed)).strokes) == 8
+
+
+def test_a_guess_follows_the_piece_of_the_path_that_is_asked_for(monkeypatch):
+    """From a quarter to three quarters of the way, in as many segments."""
+    asked, given = [], []
+    monkeypatch.setattr(optimise, "Search", lambda *parts: given.append(parts))
+
+    def plan(extended, path, segments, execution):
+        asked.append((path(0.0), path(0.5), path(1.0), segments))
+        return SimpleNamespace(flows="flows")
+
+    monkeypatch.setattr(optimise, "plan", plan)
+    way = line((0.0, 1.0), (4.0, 1.0))
+    optimise.Optimiser(None, SimpleNamespace(), None, way, 9, execution=Execution())
+    guess = given[0][3]
+    assert guess(0.25, 0.75, 7) == "flows"
+    ((begin, middle, end, segments),) = asked
+    assert begin == pytest.approx([1.0, 1.0])
+    assert middle == pytest.approx([2.0, 1.0])
+    assert end == pytest.approx([3.0, 1.0])
+    assert segments == 7
+    optimise.Optimiser(None, SimpleNamespace(), None, way, 9)
+    assert given[1][3] is None

@@ -5,7 +5,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import sympy as sp
 
+from planner.optimisation.constraints import _stroke
 from planner.optimisation.program import Program, Unknowns
 
 RATES = {"a": {3: 2.0}, "b": {4: -0.5}, "": {}}
@@ -82,3 +84,15 @@ def test_stages_without_strokes_or_recoveries_cost_nothing():
     own = SimpleNamespace(task=task, unknowns=SimpleNamespace(stages=own))
     strokes, amounts = ca.DM([[1.0, 1.0, 100.0]]), ca.DM([[1.0, 1.0, 100.0]])
     assert float(Program._cost(own, strokes, amounts)) == pytest.approx(5.75)
+
+
+def test_a_stroke_that_is_repositioned_before_turns_evenly_about_zero():
+    """By 2 rad a unit, for 0.3 units: from -0.3 to 0.3 rad, wherever it stood."""
+    ca = pytest.importorskip("casadi")
+    x, angle = state = sp.symbols("x angle")
+    system = SimpleNamespace(state=state, fields={"f": sp.Matrix([angle, 2])})
+    task = SimpleNamespace(system=system, moved=[0], rates=lambda _: {1: 2.0})
+    task.unmoved = [1]
+    along = _stroke(task, SimpleNamespace(stroke="f"), np.array([0.0, 9.0]))
+    rates = [float(along(ca.DM([5.0]), 0.3, share)) for share in (0.0, 0.5, 1.0)]
+    assert rates == pytest.approx([-0.3, 0.0, 0.3])

@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 from sim.cli import main
+from sim.commands import drive as command
 from sim.commands.drive import Link, Poses, _opened
 from sim.errors import UsageError
 
@@ -225,3 +226,19 @@ def test_poses_that_nobody_asks_for_take_no_more_memory(monkeypatch):
 def test_a_pace_that_no_clock_measures_is_refused(pace, capsys):
     assert main(["drive", "line", "--pace", pace]) == 2
     assert "is not a pace: --pace; give a number such as 1" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("pace", "waits"), [(True, 1e-3), (False, command.REPLY)])
+def test_poses_since_a_moment_are_read_without_waiting_where_the_walk_has_a_pace(
+    pace, waits
+):
+    """Those of the moment itself are not older."""
+    came, asked = iter([(0.9, "a"), (1.0, "b"), (1.2, "c"), None]), []
+
+    def next_pose(seconds):
+        asked.append(seconds)
+        return next(came)
+
+    link = SimpleNamespace(poses=SimpleNamespace(next=next_pose), pace=pace)
+    assert [*command.Link._since(link, 1.0)] == ["b", "c"]
+    assert asked == [waits] * 4

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from sim.evaluation import causes
 from sim.evaluation.causes import Evidence, likely_cause
 from sim.evaluation.deviations import sensed
 from sim.evaluation.phases import (
@@ -14,9 +15,11 @@ from sim.evaluation.phases import (
     commanded_pace,
     count_changes,
     moving_time,
+    real_robot,
     swing_travel,
 )
 from sim.evaluation.verdict import judge
+from sim.logs.alignment import Measured
 from sim.physics.measure import ContactLog
 from sim.scenarios.file import load_scenario
 from tests.sim.evaluation.test_causes import with_recording, with_settings, with_setup
@@ -186,3 +189,40 @@ def test_what_feedback_thinks_is_told_if_it_was_told_something(evidence):
     assert (found.claimed, found.claimed_yaw) == (0.01, 0.02)
     assert (found.bound, found.bound_yaw) == (0.003, 0.004)
     assert found.thought == [0.3, 0.4, 3.1]
+
+
+def test_a_plan_without_a_goal_that_ends_beside_it_is_to_blame_on_paper(monkeypatch):
+    """Whatever it misses, where the walk itself was not weighed."""
+    setup = SimpleNamespace(
+        scenario=SimpleNamespace(replan=False, steer="ideal", fields="own", segments=4),
+        robot=SimpleNamespace(card=SimpleNamespace(groups={})),
+    )
+    weighed = SimpleNamespace(goal=None, prediction="ideal")
+    walk = SimpleNamespace(setup=setup)
+    for share in (0.3, 0.0):
+        found = SimpleNamespace(
+            walk=walk, weighed=weighed, predicted={}, on_paper=lambda _, s=share: s
+        )
+        monkeypatch.setattr(causes, "say", lambda *_, **facts: f"{facts['percent']:g}")
+        assert causes._on_paper(found) == ("30" if share else "")
+
+
+def test_a_real_robot_is_told_by_its_last_row():
+    """Of its trials' spread as of its pose."""
+    rows = np.arange(6.0).reshape(2, 3)
+    motion = SimpleNamespace(log=SimpleNamespace(
+        duration=1.0, measured=None, contact={}, done=("counted",)
+    ))  # fmt: skip
+    moments = SimpleNamespace(step=np.array([0, 10]), qpos=np.zeros((2, 7)))
+    moments.qpos[:, 3] = 1.0
+    setup = SimpleNamespace(
+        motion=motion, model=None, limits=SimpleNamespace(timestep=0.1),
+        robot=SimpleNamespace(root_address_in=lambda _: 0),
+    )  # fmt: skip
+    recording = SimpleNamespace(moments=moments)
+    walk = SimpleNamespace(setup=setup, recording=recording, starts=0)
+    for spread in (rows + 10, None):
+        found = real_robot(walk, Measured(pose=rows, spread=spread, done=("turned",)))
+        assert found.pose == [3.0, 4.0, 5.0]
+        assert found.spread == (None if spread is None else [13.0, 14.0, 15.0])
+        assert found.done == ["counted", "turned"]

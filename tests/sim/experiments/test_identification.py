@@ -8,6 +8,7 @@ from numpy.polynomial import Polynomial
 
 from models import MeasurementError
 from models.motion.twists import MeasuredField
+from planner import Flow
 from sim.experiments import identification
 from sim.experiments.identification import WAY_PARTS, confirmed, whole_range
 
@@ -91,3 +92,16 @@ def test_a_stroke_that_goes_a_tenth_farther_misses_by_a_tenth():
     long = ways > 0.0499  # half of the span
     assert shares[long] == pytest.approx(0.1)
     assert (shares[~long] < 0.0999).all()
+
+
+def test_legs_are_brought_to_the_end_of_a_swing_each_by_its_group_s_share():
+    """Through fields that move no body: the second group goes half as far, back."""
+    equations = SimpleNamespace(
+        system=SimpleNamespace(stratum_of={"both": "12", "one": "2", "two": "1"}),
+        swings={"both": (1.0, -0.5), "one": (1.0, 0.0), "two": (0.0, 1.0)},
+        twists={"both": (0.1, 0, 0), "one": (0, 0, 0), "two": (0, 0, 0)},
+    )
+    setup = SimpleNamespace(equations=equations)
+    found = identification._approach(setup, (1.0, -0.5), 0.4)
+    assert found == [Flow("2", "one", 0.4), Flow("1", "two", -0.2)]
+    assert identification._approach(setup, (0.0, 1.0), 0.4) == [Flow("1", "two", 0.4)]

@@ -1,6 +1,7 @@
 """The law of servos against a fine integration of its equation, and loads of joints."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import mujoco
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from models import load
+from sim.fitting import servo_law
 from sim.fitting.fitting import servos
 from sim.fitting.servo_law import (
     GOING,
@@ -267,3 +269,20 @@ def test_a_robot_goes_to_its_first_row_and_stands_before_the_log_begins(standing
     for row in (round(GOING / dt), before, len(rows) - 1):
         assert rows[row, actuators] == pytest.approx(there, abs=1e-9)
     assert np.abs(np.diff(gone, axis=0)).max() < 1.6 * np.abs(gone).max() * dt / GOING
+
+
+def test_a_servo_bears_nothing_within_its_dead_band_and_beyond_it_the_rest(monkeypatch):
+    """Of robots that stand still whatever they are told; 1 rad/s is not fast enough."""
+    setup = prepare(load_scenario("line", {"dead_band": 0.02, "servo_stiffness": 50.0}))
+    model, robot = setup.model, setup.robot
+    rest = model.key("start").qpos
+
+    def advance(ctrl):
+        return SimpleNamespace(qpos=np.tile(rest, (len(ctrl), 1)))
+
+    monkeypatch.setattr(servo_law, "Engine", lambda _: SimpleNamespace(advance=advance))
+    joints = robot.card.joints[:3]
+    log = logged(robot, joints, np.array([0.006, -0.03, 0.03]), lasting=0.1)
+    still = servos(np.full(3, 50.0), np.full(3, 1.0))
+    load = on_floor(setup, model, log, still).load
+    assert load[-1] == pytest.approx([0.0, -50 * 0.02, 50 * 0.02], abs=1e-9)

@@ -11,6 +11,7 @@ import pytest
 
 from planner.errors import ConvergenceError, RangeError
 from sim.preparation.setup import prepare
+from sim.problems import scenario as library
 from sim.problems.problem import Problem
 from sim.problems.scenario import AIMS, HIT, ScenarioProblem
 from sim.scenarios.file import load_scenario
@@ -79,3 +80,28 @@ def test_where_legs_do_not_reach_beside_the_goal_the_least_miss_is_told(aimed):
 def test_where_legs_do_not_reach_the_goal_either_it_is_said(aimed):
     with pytest.raises(RangeError, match="too far"):
         aimed(0.9, -1.0)
+
+
+def test_a_plan_out_of_range_is_told_with_the_least_that_others_missed(monkeypatch):
+    """The first one was closer to the goal than the second."""
+    misses = iter([0.02, 0.05, None])
+
+    def solve(problem):
+        miss = next(misses)
+        if miss is None:
+            raise RangeError("phi_1", 0.5, -0.4, 0.4)
+        return SimpleNamespace(plan=miss)
+
+    monkeypatch.setattr(Problem, "solve", solve)
+    monkeypatch.setattr(library, "unaimed", lambda setup, what, least: KeyError(least))
+    beside = object.__new__(ScenarioProblem)
+    object.__setattr__(beside, "setup", None)
+    end = lambda setup, plan: np.array([plan, 0.0, 0.0])  # noqa: E731
+    own = SimpleNamespace(
+        setup=SimpleNamespace(goal_offset=(0.0, 0.0, 0.0)), path=lambda s: np.zeros(3),
+        beside=lambda offset: beside,
+        centre=SimpleNamespace(_ahead=SimpleNamespace(end=end)),
+    )  # fmt: skip
+    with pytest.raises(KeyError) as caught:
+        ScenarioProblem._aimed(own)
+    assert caught.value.args == (0.02,)

@@ -10,6 +10,7 @@ from sim.preparation.setup import prepare
 from sim.scenarios.file import load_scenario
 from sim.walking import finished
 from sim.walking.finished import Ahead, laid_out
+from sim.walking.walks import Walker
 
 PLAN = SimpleNamespace(segments=lambda: iter([[Flow("1", "g1_1", 0.05)]]))
 SOFT = {"servo_stiffness": 50.0, "servo_damping": 1.0}
@@ -54,3 +55,13 @@ def test_a_plan_ends_where_all_its_commands_have_led(setup, monkeypatch):
     monkeypatch.setattr(finished, "course_of", course_of)
     end = Ahead(setup).end(setup, PLAN)
     assert end.tolist() == pytest.approx([1e-3 * lasting, 0, 0])
+
+
+def test_a_walk_that_never_began_starts_at_the_origin(setup):
+    recorder = SimpleNamespace(finish=lambda: "recorded")
+    own = SimpleNamespace(setup=setup, _stretches=[], _recorder=recorder, seconds={})
+    for origin, told in ((None, [0, 0, 0]), (np.array([1.0, 2.0, 0.5]), [1, 2, 0.5])):
+        own._origin = origin
+        walk = Walker.finish(own, 3)
+        assert walk.origin.tolist() == told
+        assert (walk.saturated_segments, walk.recording) == (3, "recorded")
