@@ -160,3 +160,20 @@ def test_every_segment_keeps_its_flows_where_feet_land_and_rise_in_between(walke
     assert joined.flows == (*flows[:2], *landing, *lifting, *flows[2:])
     own = [[f for f in part if f in flows] for part in joined.segments()]
     assert own == [flows[:1], flows[1:3], flows[3:]]
+
+
+@pytest.mark.parametrize("ends", [(2, 3, 5), (1, 2, 5)])
+def test_flows_that_land_end_the_segment_of_the_first_stay(walker, ends):
+    """And those that rise begin the segment of the last stay, if it begins there."""
+    path = shipped_system("paper-hexapod").path
+    one, two = (next(iter(walker.system.strata[stratum])) for stratum in "12")
+    flows = [Flow("1", one, 0.1 + k) for k in range(2)]
+    flows += [Flow("2", two, 0.3 + k) for k in range(3)]
+    given = {"flows": tuple(flows), "segment_ends": ends, "depart": "1", "arrive": "2"}
+    planned = replace(plan(walker, path, 3), **given)
+    land, rise = Flow("1", one, 9.0), Flow("2", two, 8.0)
+    joined = _joined(planned, [land], [rise], (planned.start, planned.goal))
+    number = ends.index(2)
+    segments = [*joined.segments()]
+    assert segments[number][-1] == land
+    assert segments[number + 1][0] == rise

@@ -94,9 +94,9 @@ def test_draws_are_judged_by_the_worst_and_none_that_ends_on_the_spot_is_off(cap
         tries = [Try(3 + i, "arrived", off=off) for i, off in enumerate(offs)]
         return judged_tries(tries, 0.05, "see there")
 
-    assert judged(0.0, 0.0) == judged(0.0, 0.04) == ExitCode.OK
+    assert judged(0.0, 0.0) == judged(0.0, 0.04) == judged(0.05) == ExitCode.OK
     assert capsys.readouterr().err == ""
-    assert judged(0.0, 0.04, 0.061, 0.09) == ExitCode.TOLERANCE
+    assert judged(0.0, 0.05, 0.061, 0.09) == ExitCode.TOLERANCE
     assert capsys.readouterr().err == (
         "stratawalk: error: 2 ended farther off goal or prediction than --tolerance "
         "0.05, at worst 9 % of the path, yaw included: 4 draws; see there\n"

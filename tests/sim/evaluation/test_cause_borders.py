@@ -209,7 +209,7 @@ def test_a_plan_without_a_goal_that_ends_beside_it_is_to_blame_on_paper(monkeypa
 
 def test_a_real_robot_is_told_by_its_last_row():
     """Of its trials' spread as of its pose."""
-    rows = np.arange(6.0).reshape(2, 3)
+    rows = np.arange(9.0).reshape(3, 3)
     motion = SimpleNamespace(log=SimpleNamespace(
         duration=1.0, measured=None, contact={}, done=("counted",)
     ))  # fmt: skip
@@ -223,6 +223,6 @@ def test_a_real_robot_is_told_by_its_last_row():
     walk = SimpleNamespace(setup=setup, recording=recording, starts=0)
     for spread in (rows + 10, None):
         found = real_robot(walk, Measured(pose=rows, spread=spread, done=("turned",)))
-        assert found.pose == [3.0, 4.0, 5.0]
-        assert found.spread == (None if spread is None else [13.0, 14.0, 15.0])
+        assert found.pose == [6.0, 7.0, 8.0]
+        assert found.spread == (None if spread is None else [16.0, 17.0, 18.0])
         assert found.done == ["counted", "turned"]

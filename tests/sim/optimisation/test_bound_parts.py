@@ -247,7 +247,7 @@ def curve_of(monkeypatch, direct=1, fixed=2, **task):
     price = {"f": 1.0, "g": 2.0, "h": 0.01}
     given = {"centred": False, "cost": price.__getitem__} | task
     task = SimpleNamespace(
-        system=system, rates=lambda _: {3: 2.0}, limits={3: (-0.4, 0.6)},
+        system=system, rates=lambda _: {2: 0.3, 3: 2.0}, limits={3: (-0.4, 0.6)},
         stages=[stage, other], **given,
     )  # fmt: skip
     judge = SimpleNamespace(duration=lambda flows: 0.6 + flows[0].duration)
