@@ -1,5 +1,7 @@
 """Borders that numbers of files reach exactly: the last taken, the first refused."""
 
+from dataclasses import replace
+from math import inf
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -8,10 +10,10 @@ import pytest
 
 from models.checks import _part_problems
 from models.description import inspection
-from models.description.table import LARGEST_NUMBER, _is_number
+from models.description.table import LARGEST_NUMBER, Table, _is_number
 from models.errors import ModelError
 from models.morphology.mjcf import Leg
-from models.morphology.shipped import reshaped
+from models.morphology.shipped import SHAPES, reshaped
 from models.systems.problem import OVERFLOWING, configuration
 from models.systems.smooth import LONGEST_CHAIN, chained
 from planner import StratifiedSystem
@@ -69,3 +71,19 @@ def test_files_from_elsewhere_are_named_up_to_three(count, more, monkeypatch):
         inspection.inspect_model(Path("/here/robot.xml"))
     assert f"/far/2.stl{more}" in str(caught.value)
     assert ("more" in str(caught.value)) == bool(more)
+
+
+def test_that_numbers_are_too_large_is_told_of_finite_ones_beyond_the_largest():
+    for value, told in ((2 * LARGEST_NUMBER, True), (inf, False), (-inf, False)):
+        with pytest.raises(ValueError, match="must be a number") as caught:
+            Table({"a": value}).number("a")
+        assert ("none beyond 1e+12" in str(caught.value)) == told
+    with pytest.raises(ValueError, match="must be a text") as caught:
+        Table({"a": LARGEST_NUMBER}).text("a")
+    assert "beyond" not in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ["stiffness", "hip_height", "leg_mass"])
+def test_what_a_shape_weighs_and_measures_is_positive(name):
+    with pytest.raises(ValueError, match=f"{name} must be positive, got 0"):
+        replace(SHAPES["hexapod"], **{name: 0.0})

@@ -216,3 +216,11 @@ def test_lift_itself_is_no_element():
         PlannerError, match="field raise leaves Son and no lift field of Soff"
     ):
         extend(crane(swing=[0, 1, 0]), ["slide", "raise"])
+
+
+@pytest.mark.parametrize("metric", [{}, {"x": 10.0, "y": 0.1}])
+def test_a_direction_that_lacks_is_told_in_the_coordinates_whatever_they_count(metric):
+    fields = {"f": [1, 2], "g": [0, "x"]}
+    system = StratifiedSystem("x y", {"0": fields}, "0", metric=metric)
+    with pytest.raises(RankError, match=r"at \(0, 0\) .*, nothing along x - 0\.5 y;"):
+        extend(system, ["f", "g"]).fictitious_inputs(np.zeros(2), np.array([1.0, 0.0]))

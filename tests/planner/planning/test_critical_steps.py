@@ -224,3 +224,12 @@ def test_the_least_step_and_its_words_do_not_depend_on_units_or_on_other_choices
     ):  # fmt: skip
         steps = critical_steps._Steps(car, np.zeros(3), Execution(coordinates=choice))
         assert steps.order == order
+
+
+def test_rays_keep_to_a_stratum_that_couples_coordinates_whatever_they_count():
+    """A car with z = x, of which x and z together count as x alone does otherwise."""
+    fields = {"drive": ["cos(a)", "sin(a)", 0, "cos(a)"], "turn": [0, 0, 1, 0]}
+    x, z = sp.symbols("x z")
+    metric = {"x": 0.6, "z": 0.8}
+    tied = StratifiedSystem("x y a z", {"0": fields}, "0", {"0": [z - x]}, metric)
+    assert least_critical_step(tied, np.zeros(4)) == pytest.approx(0.71436, rel=1e-3)

@@ -111,3 +111,17 @@ def test_a_leg_in_the_air_follows_its_servo_exactly(short):
         quarter = increment.State(**{**vars(part.state), "gap": state.gap + 1.0})
     # what is left is the weight's lever, which changes by 1 % of itself on the way
     assert np.abs(falling.state.angles - quarter.angles).max() < 2e-6
+
+
+def test_the_height_of_a_floor_changes_nothing_above_it(short):
+    _, phases, way, _ = short
+    robot, rows, h = phases.robots, way.commands.rows[:1], np.full(1, 0.02)
+    ends = []
+    for floor in (0.0, 0.3):
+        mechanics = increment.Mechanics(phases.mechanics.anatomy, floor)
+        state = mechanics.standing(robot, rows, np.zeros(1)).state
+        found = mechanics.increment(robot, state, rows, rows + 0.01, h)
+        assert found.holds.all()
+        ends.append((found.state.place - [0, 0, floor], found.state.gap, found.arm))
+    for one, other in zip(*ends, strict=True):
+        assert one == pytest.approx(other, abs=1e-9)

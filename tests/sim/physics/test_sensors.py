@@ -2,6 +2,7 @@
 
 from types import SimpleNamespace
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -51,3 +52,16 @@ def test_of_several_legs_that_are_pushed_up_the_first_is_named(monkeypatch):
     pushing, aloft = _Standing.aloft(own)
     assert pushing == ("pushing", {"leg": 2, "one": "hull", "other": "tail"})
     assert aloft == ("aloft", {"leg": 2})
+
+
+@pytest.mark.parametrize(
+    ("pull", "flags", "weightless"),
+    [
+        (-9.81, 0, False), (-1e-9, 0, False), (0.0, 0, True), (9.81, 0, True),
+        (-9.81, int(mujoco.mjtDisableBit.mjDSBL_GRAVITY), True),
+    ],
+)  # fmt: skip
+def test_a_robot_stands_where_gravity_pulls_it_down(pull, flags, weightless):
+    option = SimpleNamespace(disableflags=flags, gravity=[0.0, 0.0, pull])
+    own = SimpleNamespace(model=SimpleNamespace(opt=option))
+    assert bool([*_Standing.weightless(own)]) == weightless
