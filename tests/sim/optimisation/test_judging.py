@@ -105,3 +105,19 @@ def test_returns_in_the_air_cost_little_where_strokes_are_counted(setup):
     for objective, cheap in (("strokes", CHEAP), ("time", 1.0)):
         price = task_of(wanting(setup, optimise=objective), (0.01, 0.1)).price
         assert price["g1_2"] == pytest.approx(cheap * price["g1_1"])
+
+
+def test_legs_that_stroke_together_are_set_anew_within_their_range_and_end_at_rest():
+    """Of a robot that could not go a stroke of 0.9 rad at once, nor stand after it."""
+    quadruped = prepare(load_scenario("line", {"robot": "quadruped"}))
+    asked = [[Flow("1234", "g1234_forward", 0.9)]]
+    (found,) = Judge(quadruped).stepped(asked)
+    swings, limits = quadruped.equations.swings, quadruped.equations.limits
+    moved = [np.multiply(swings[flow.field], flow.duration) for flow in found]
+    angles = np.cumsum(moved, axis=0)
+    low, high = np.array([*limits.values()]).T
+    assert (angles >= low - 1e-9).all()
+    assert (angles <= high + 1e-9).all()
+    assert angles[-1] == pytest.approx(np.zeros(4), abs=1e-9)
+    forward = [flow.duration for flow in found if flow.field == "g1234_forward"]
+    assert sum(forward) == pytest.approx(0.9)

@@ -105,3 +105,32 @@ def test_a_plan_out_of_range_is_told_with_the_least_that_others_missed(monkeypat
     with pytest.raises(KeyError) as caught:
         ScenarioProblem._aimed(own)
     assert caught.value.args == (0.02,)
+
+
+@pytest.mark.parametrize(
+    ("share", "cuts"), [(0.5, [0, 0.25, 0.5]), (0.6, [0, 0.25, 0.5, 0.6]), (1.0, None)]
+)
+def test_a_part_of_a_path_has_the_corners_before_its_end(share, cuts, monkeypatch):
+    """Where it ends there is none, though the whole path turns there."""
+    kept = []
+
+    def recut(path, at):
+        kept.append(at.tolist())
+        return path
+
+    class Way:
+        corners = (0.25, 0.5, 0.75)
+
+        def __call__(self, s):
+            return np.zeros(3)
+
+    end = [np.array([0.0, 0.0, 0.0])]
+    planned = SimpleNamespace(system=None, flows=())
+    for name, stub in (
+        ("recut", recut), ("plan_along", lambda *_: planned),
+        ("play", lambda *_: end), ("miss_of", lambda *_: 0.3),
+    ):  # fmt: skip
+        monkeypatch.setattr(library, name, stub)
+    own = SimpleNamespace(path=Way(), replan=False, setup=None)
+    assert ScenarioProblem.attempt(own, share) == pytest.approx(0.3 / share)
+    assert kept == ([] if cuts is None else [pytest.approx(cuts)])
