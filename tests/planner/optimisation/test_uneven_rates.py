@@ -13,7 +13,7 @@ from planner.optimisation.program import Program, Unknowns
 RATES = {"a": {3: 2.0}, "b": {4: -0.5}, "": {}}
 
 
-@dataclass(eq=False)
+@dataclass(frozen=True, eq=False)
 class Staged:
     """A stage with its stroke, or none, and what recovers meanwhile."""
 
