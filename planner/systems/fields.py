@@ -240,11 +240,15 @@ def compile_fields(
                 varying[i, j] = entry
             else:
                 constant[i, j] = float(entry)
-    function = sp.lambdify(
-        state, [*varying.values()], [KINKS, np], cse=True, dummify=True
-    )
+    function = _function(tuple(state), tuple(varying.values()))
     names = tuple(names) or tuple(f"field {j + 1}" for j in range(len(fields)))
     return CompiledFields(names, constant, tuple(varying), function, tuple(numeric))
+
+
+@lru_cache(maxsize=256)
+def _function(state: tuple[sp.Symbol, ...], entries: tuple[sp.Expr, ...]) -> Any:
+    """Entries as one function of the state; systems that are alike share it."""
+    return sp.lambdify(state, entries, [KINKS, np], cse=True, dummify=True)
 
 
 def sample_configurations(size: int, count: int = PROBES) -> Array:
