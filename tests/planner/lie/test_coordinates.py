@@ -270,7 +270,7 @@ def test_inputs_may_fill_the_same_array_at_every_call():
 
 def test_what_floats_cannot_hold_and_inputs_without_nodes_are_refused():
     basis = hall_basis(2, 3)
-    with pytest.raises(ValueError, match=r"coordinates are not finite: \[1e\+200, "):
+    with pytest.raises(ValueError, match="coordinates are not finite: .* inf"):
         backward(basis, [1e200] * 5)
     with pytest.raises(ValueError, match=r"shape \(5,\) have no axis of nodes before"):
         integrate(basis, [1.0] * 5)
