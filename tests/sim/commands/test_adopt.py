@@ -3,11 +3,14 @@
 import json
 import re
 import signal
+from argparse import Namespace
 from os import times
 from time import process_time
+from types import SimpleNamespace
 
 import pytest
 
+from models.errors import ModelError
 from models.library import load
 from scripts.adoptees import ADOPTEES, Adoptee, radial
 from sim.cli import main
@@ -191,3 +194,26 @@ def test_a_search_without_end_ends(tmp_path, capsys):
     *_, line = capsys.readouterr().err.splitlines()
     assert "no card was found within 30 s of processor time" in line
     assert names(tmp_path) == ["six.xml"]
+
+
+@pytest.mark.parametrize("text", [None, "<mujoco/>"])
+def test_a_robot_that_cannot_be_read_leaves_nothing_behind_it(
+    text, tmp_path, monkeypatch
+):
+    """Though its picture was never begun; a file that was there before stays."""
+    path = tmp_path / "own.xml"
+    if text is None:
+        path.write_text("its owner's")
+    source = SimpleNamespace(path=path, text=text)
+    monkeypatch.setattr(robots, "source_of", lambda *_: source)
+    monkeypatch.setattr(robots, "draft_card", lambda _: SimpleNamespace(card="a = 1"))
+
+    def load(name, allow_external):
+        assert path.with_suffix(".toml").read_text() == "a = 1"
+        raise ModelError("it has no legs")
+
+    monkeypatch.setattr(robots, "load", load)
+    options = Namespace(robot="own.urdf", allow_external=False, json=True)
+    with pytest.raises(ModelError, match="it has no legs"):
+        robots._adopted(options)
+    assert [file.name for file in tmp_path.iterdir()] == ["own.xml"] * (text is None)

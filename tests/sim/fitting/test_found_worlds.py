@@ -59,3 +59,38 @@ def test_a_robot_of_several_files_or_one_with_its_card_keeps_its_model(tmp_path)
             f"{card}; use it as --robot {model}" if alone else f"{card}{told}"
         )
         assert model.exists() == alone
+
+
+def test_a_walk_is_fitted_in_rounds_each_in_the_world_that_the_last_one_found(
+    monkeypatch,
+):
+    """Three rounds on the floor; on a stand one, for nothing moves there."""
+    logs, stood, walked = [SimpleNamespace(joints=("a", "b"))], [], []
+    setup = SimpleNamespace(as_planned=SimpleNamespace(model="described"))
+    rounds = iter(range(9))
+
+    def on_floor(setup, model, log, whole):
+        walked.append((model, whole))
+        return "on the floor"
+
+    for name, stub in (
+        ("known_servos", lambda *_: ("known",)), ("servos", lambda _: "start"),
+        ("on_floor", on_floor), ("on_stand", lambda *_: stood.append("stood")),
+        ("_rows", lambda *_: ()), ("fit_servos", lambda *_: "fitted"),
+        ("together", lambda each: "each"),
+        ("one_make", lambda _: ("make", "own", f"found {next(rounds)}")),
+        ("_fitted_model", lambda _, log, whole: (log, f"world of {whole}")),
+        ("_missed", lambda commanded, log, servo: np.full(2, 4.0)),
+    ):  # fmt: skip
+        monkeypatch.setattr(fitting, name, stub)
+    found = fitting.fit_joints(setup, logs, walking=True)
+    assert walked == [
+        ("described", "start"),
+        ((logs[0], "world of found 0"), "found 0"),
+        ((logs[0], "world of found 1"), "found 1"),
+    ]
+    assert (found.joints, found.make, found.own) == (("a", "b"), "make", "own")
+    assert found.before.tolist() == found.after.tolist() == [2.0, 2.0]
+    assert not stood
+    fitting.fit_joints(setup, logs, walking=False)
+    assert (len(stood), len(walked)) == (1, 3)
