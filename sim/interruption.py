@@ -13,7 +13,7 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from types import FrameType
 from typing import NoReturn
@@ -102,9 +102,9 @@ def processor_time(seconds: float, error: Exception) -> Iterator[None]:
 
 
 @contextmanager
-def deaf() -> Iterator[None]:
+def deaf(to: Iterable[signal.Signals] = ENDS) -> Iterator[None]:
     """Start processes that leave it to this one to answer signals, and to end them."""
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, ENDS)
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, to)
     try:
         yield
     finally:

@@ -23,6 +23,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from sim.errors import SweepError, UsageError, one_line
+from sim.interruption import deaf
 from sim.preparation.shared import Shared
 from sim.scenarios.file import scenario_from
 from sim.simulation import simulate
@@ -272,15 +273,16 @@ def _local(stack: ExitStack, workers: int) -> LocalCluster:
     """A scheduler in this process, and workers that listen to this machine alone."""
     folder = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
     try:
-        cluster = LocalCluster(
-            n_workers=workers,
-            threads_per_worker=1,
-            host="127.0.0.1",
-            dashboard_address=None,
-            memory_limit=0,
-            local_directory=stack.enter_context(folder),
-            silence_logs=logging.CRITICAL,
-        )
+        with deaf([signal.SIGXCPU]):  # a limit is for the sweep, not for its points
+            cluster = LocalCluster(
+                n_workers=workers,
+                threads_per_worker=1,
+                host="127.0.0.1",
+                dashboard_address=None,
+                memory_limit=0,
+                local_directory=stack.enter_context(folder),
+                silence_logs=logging.CRITICAL,
+            )
     except KeyboardInterrupt:
         atexit.unregister(close_clusters)  # which cannot close one half started
         raise

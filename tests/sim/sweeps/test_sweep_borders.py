@@ -1,12 +1,15 @@
 """Sweeps at the borders of what they take: counts, ends, scales, points and folders."""
 
 import math
+import signal
+from contextlib import ExitStack, nullcontext
 
 import numpy as np
 import pytest
 
 from sim.cli import main
 from sim.errors import UsageError
+from sim.sweeps import worker_pool
 from sim.sweeps.file import (
     MOST_POINTS,
     Sweep,
@@ -196,3 +199,19 @@ def test_an_address_without_a_port_is_refused_before_anything_is_made(tmp_path, 
     (line,) = told(capsys.readouterr().err)
     assert line.endswith("an address without a port: x; give tcp://HOST:PORT")
     assert not (tmp_path / "o").exists()
+
+
+def test_a_limit_of_processor_time_is_for_the_sweep_and_not_for_its_workers(
+    monkeypatch,
+):
+    masks = []
+
+    def cluster(**given):
+        masks.append(signal.pthread_sigmask(signal.SIG_BLOCK, []))
+        return nullcontext()
+
+    monkeypatch.setattr(worker_pool, "LocalCluster", cluster)
+    with ExitStack() as stack:
+        worker_pool._local(stack, 1)
+    assert masks[0] == {signal.SIGXCPU}
+    assert signal.pthread_sigmask(signal.SIG_BLOCK, []) == set()
