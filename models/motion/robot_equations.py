@@ -192,6 +192,7 @@ def _elements(
 
 
 WAYS = dict(zip(map(str, POSE), ("go forward", "go sideways", "turn"), strict=True))
+SAME_PIVOT = 0.25  # of the reach, between pivots that are nearly one
 STRAIGHT = 1e-3  # rad of yaw while the body moves by the size of its stance
 
 
@@ -246,5 +247,6 @@ def _reason(robot: Robot, described: Equations) -> str:
     if all(turning):
         # points of the body that strokes leave in place [m]
         (x, y), (u, v) = [(-left / yaw, ahead / yaw) for ahead, left, yaw in twists]
-        return message("one_pivot", x=x, y=y, apart=1e3 * hypot(x - u, y - v))
+        if (apart := hypot(x - u, y - v)) < SAME_PIVOT * size:
+            return message("one_pivot", x=x, y=y, apart=1e3 * apart)
     return message("short", most=AFFORDABLE)
