@@ -40,6 +40,7 @@ from sim.walking.finished import Walk
 SWAY = 0.25  # of the feet's distance from the middle
 LEAST_WAY = 0.01  # of that distance
 TRUSTED_MISS = 0.05  # of the path that a measured prediction may miss
+SHORTEST_WAY = 1e-6  # [m]; shares of a shorter one are rounding
 COMPARED = 1500  # poses that are compared with the path, evenly taken from all
 
 
@@ -152,7 +153,8 @@ class Scale:
     def of(cls, path: NominalPath, reach: float, made: Collection[str]) -> Scale:
         """That of walks along a path, by the best of the predictions that were made."""
         turns = np.diff(path.curve.at(np.linspace(0, 1, COMPARED))[:, 2])
-        return cls(best(made), reach, path.length or reach * float(np.abs(turns).sum()))
+        way = path.length or reach * float(np.abs(turns).sum())
+        return cls(best(made), reach, way if way > SHORTEST_WAY else 0.0)
 
     def weigh(
         self, poses: Array, predicted: Array, goal: Sequence[float] | None

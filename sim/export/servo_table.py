@@ -21,7 +21,7 @@ from models import SERVO_KINDS, Card, JointServo, ServoKind
 from models.description import BOARD_CLOCK, BOARD_COUNTS as FRAME, Table, board_rate
 from planner import Array
 from planner.support import read_file
-from sim.errors import UsageError, telling
+from sim.errors import UsageError, message, telling
 from sim.export.servo_commands import ServoCommands
 
 FRAMES = (24.0, 1526.0)  # that a PCA9685 can give in a second
@@ -191,13 +191,10 @@ def _channel(
 
 
 def _outside(servo: Channel, angle: float, low: float, high: float) -> UsageError:
-    return UsageError(
-        f"joint {servo.joint!r} goes to {angle:.4f} rad ({degrees(angle):.1f} degrees) "
-        f"and its servo from {low:.4f} to {high:.4f} rad",
-        f"channel {servo.channel}",
-        f"give it other limits or another offset under [servo.{servo.joint}] in the "
-        "card, or plan smaller strokes",
-    )
+    facts = {"angle": angle, "degrees": degrees(angle), "low": low, "high": high}
+    what = message("outside", joint=servo.joint, **facts)
+    remedy = message("other_limits", joint=servo.joint)
+    return UsageError(what, f"channel {servo.channel}", remedy)
 
 
 YAML_BYTES = 10**5  # bytes, of which the reader takes a second

@@ -19,6 +19,7 @@ from sim.sweeps.folder import UNREADABLE
 GROUP_ROWS = 10_000  # any other number gives other bytes
 UNPACKED = 5 * 10**8  # bytes of a table that is read, with all that it repeats once
 TEXT = 5  # times as much memory is taken by a byte of text
+HEAD = 365  # bytes of a column without values
 MOST_VALUES = 4 * 10**7
 ABOUT = "stratawalk"  # key of the metadata
 Row = Mapping[str, object]
@@ -35,7 +36,8 @@ def write_table(
     columns = [_column([row.get(name) for row in rows]) for name in names]
     metadata = {ABOUT: json.dumps(about, sort_keys=True)}
     table = pa.table(columns, names=names).replace_schema_metadata(metadata)
-    with whole(path, table.nbytes // 4, new=new) as part:
+    size = table.nbytes // 4 + HEAD * table.num_columns
+    with whole(path, size, new=new) as part:
         parquet.write_table(table, part, compression="zstd", row_group_size=GROUP_ROWS)
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from models import Robot
 from models.description import compile_model
 from planner import Array
-from sim.errors import UsageError
+from sim.errors import UsageError, message
 from sim.scenarios.scenario import Scenario
 
 PAYLOAD = "payload"
@@ -85,13 +85,9 @@ def _require_hold(scenario: Scenario) -> None:
     angle, _ = scenario.slope or (0.0, 0.0)
     friction = max(scenario.foot_friction or (scenario.friction,))
     if tan(angle) >= friction:
-        raise UsageError(
-            f"slope = {angle:g} rad is too steep for a friction of {friction:g}, on "
-            "which the robot slides down",
-            f"scenario {scenario.name!r}",
-            f"lean the floor by less than {atan(friction):.3g} rad, or give a friction "
-            f"above {tan(angle):.3g}",
-        )
+        what = message("steep", angle=angle, friction=friction)
+        remedy = message("less_steep", most=atan(friction), least=tan(angle))
+        raise UsageError(what, f"scenario {scenario.name!r}", remedy)
 
 
 def _stiffen(floor: mujoco.MjsGeom, ratio: float) -> None:

@@ -77,6 +77,7 @@ def test_a_turn_on_the_spot_is_as_long_as_the_way_of_its_feet():
     assert only_turns.length == pytest.approx(REACH * pi / 2)
     ahead = Scale.of(line((0.3, 0.4, 1.0)), REACH, ["ideal"])
     assert ahead.length == pytest.approx(0.5)
+    assert Scale.of(line((1e-9, 0.0, 0.0)), REACH, ["ideal"]).length == 0  # rounding
 
 
 def test_yaw_counts_at_the_feet_and_near_the_end_not_at_all():

@@ -9,7 +9,8 @@ import pytest
 
 from sim.cli import main
 from sim.errors import UsageError
-from sim.sweeps import worker_pool
+from sim.folder import whole
+from sim.sweeps import table, worker_pool
 from sim.sweeps.file import (
     MOST_POINTS,
     Sweep,
@@ -215,3 +216,23 @@ def test_a_limit_of_processor_time_is_for_the_sweep_and_not_for_its_workers(
         worker_pool._local(stack, 1)
     assert masks[0] == {signal.SIGXCPU}
     assert signal.pthread_sigmask(signal.SIG_BLOCK, []) == set()
+
+
+def test_a_full_disk_is_told_what_a_table_of_many_columns_takes(tmp_path, monkeypatch):
+    rows = [{f"column {k}": k / 7 + point for k in range(230)} for point in range(4)]
+    asked = []
+    monkeypatch.setattr(table, "whole", spied(asked))
+    table.write_table(tmp_path / "table.parquet", rows, {})
+    assert asked == [
+        pytest.approx((tmp_path / "table.parquet").stat().st_size, rel=0.2)
+    ]
+
+
+def spied(asked):
+    """The real `whole`, which notes the sizes that it is asked for."""
+
+    def noted(path, size=0, **given):
+        asked.append(size)
+        return whole(path, size, **given)
+
+    return noted
