@@ -68,9 +68,10 @@ def keeping(tell: Callable[[], str]) -> Iterator[None]:
 def again(*more: str) -> str:
     """The command line with further words, in which an option replaces the former."""
     words, given = list[str](), iter(_words)
+    options = [word for word in more if word.startswith("--")]
     for word in given:
         name, valued, _ = word.partition("=")
-        if name not in more:
+        if name not in options:
             words.append(word)
         elif not valued:
             next(given, None)

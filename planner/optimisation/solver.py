@@ -44,7 +44,7 @@ WARM = {  # close to where a solution is known to be
     "ipopt.warm_start_mult_bound_push": 1e-8,
 }
 
-SIGNALS = (signal.SIGINT, signal.SIGTERM)
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGXCPU)
 SAME_NAME = (
     "sin", "cos", "tan", "exp", "log", "sqrt", "sinh", "cosh", "tanh", "atan2", "sign",
     "asin", "acos", "atan", "pi",
@@ -127,7 +127,8 @@ def _noted() -> Iterator[list[int]]:
     def note(number: int, frame: FrameType | None) -> None:
         noted.append(number)
 
-    before = {number: signal.signal(number, note) for number in SIGNALS}
+    heeded = [number for number in SIGNALS if callable(signal.getsignal(number))]
+    before = {number: signal.signal(number, note) for number in heeded}
     try:
         yield noted
     finally:

@@ -7,7 +7,7 @@ import pytest
 
 from models.description.robot import FOLDER
 from sim.cli import main
-from sim.endings import command
+from sim.endings import again, begin, command
 
 EVIL = "a b$(touch PWNED);'c"
 
@@ -86,3 +86,12 @@ def test_what_is_made_in_a_folder_needs_its_name(tmp_path, monkeypatch, capsys):
 def test_more_designs_than_can_be_counted_are_refused(capsys):
     assert main(("design", "hexapod", "--walks", "0", "--designs", str(10**20))) == 2
     assert "1000000" in capsys.readouterr().err
+
+
+def test_a_command_again_keeps_words_that_are_like_the_values_of_others():
+    begin(["run", "line", "--segments", "2", "--no-video", "--draw=1", "--tries", "4"])
+    again_from = again("--draw", "2", "--tries", "2")
+    begin([])
+    assert again_from == (
+        "stratawalk run line --segments 2 --no-video --draw 2 --tries 2"
+    )
