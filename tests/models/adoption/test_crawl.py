@@ -2,10 +2,12 @@
 
 import re
 
+import mujoco
 import numpy as np
 import pytest
 
 from models.adoption import crawl
+from models.adoption.anatomy import Pose, find_limbs
 from models.adoption.draft import draft_card
 from models.adoption.source import source_of
 from models.contact.loads import StaticStability
@@ -117,3 +119,13 @@ def test_weight_is_off_the_lines_between_opposite_feet(tmp_path):
     singles = [name for name in robot.card.gait if name != "1234"]
     shares = StaticStability(robot).least_loads(singles, [np.zeros(1)] * 4)
     assert np.abs(shares).min() > 0.01
+
+
+def test_legs_that_are_not_turned_stand_where_their_toes_are(tmp_path):
+    model = mujoco.MjModel.from_xml_path(str(FOUR.write(tmp_path)))
+    root = int(model.jnt_bodyid[0])
+    pose = Pose.at(model, root, model.qpos0)
+    limbs = find_limbs(pose, "four")
+    feet, weight = crawl._Body.of(pose, limbs).placed(np.zeros(len(limbs)))
+    assert feet == pytest.approx(np.array([limb.toe[:2] for limb in limbs]))
+    assert weight == pytest.approx(pose.center_of_mass[:2])

@@ -26,6 +26,8 @@ def test_brackets_that_vanish_are_explained_and_another_posture_was_tried(
 ):
     text, facts = shown(radial.write(tmp_path))
     assert "1.300 kg" in text
+    body, legs = 1.0 * 0.078, 6 * 0.05 * 0.01  # masses and heights; feet end at 0.002
+    assert facts["weight_height"] == pytest.approx((body + legs) / 1.3 - 0.002)
     assert facts["fields"]["g1_1"] == pytest.approx([0, 0, -0.5705], abs=1e-4)
     reason, remedy = facts["lacks"]
     assert reason.startswith("it cannot go forward or go sideways: both strokes turn")
