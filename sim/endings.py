@@ -75,7 +75,8 @@ def again(*more: str) -> str:
             words.append(word)
         elif not valued:
             next(given, None)
-    return command(*words, *more)
+    end = words.index("--") if "--" in words else len(words)  # of the options
+    return command(*words[:end], *more, *words[end:])
 
 
 def command(*words: object) -> str:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
+from operator import index
 from pathlib import Path
 from typing import Any
 
@@ -122,7 +123,7 @@ def load_plan(path: Path | str) -> Plan:
             elements=tuple(table["elements"]),
             basis=tuple(table["basis"]),
             flows=tuple(Flow(s, f, float(t)) for s, f, t in table["flows"]),
-            segment_ends=tuple(table["segment_ends"]),
+            segment_ends=tuple(map(index, table["segment_ends"])),
             inputs=np.array(table["inputs"]),
             hall_coordinates=np.array(table["hall_coordinates"]),
             nominal=np.array(table["nominal"]),

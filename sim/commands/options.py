@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import re
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -172,7 +173,8 @@ def require_robot(name: str) -> None:
     from sim.scenarios.file import load_scenario, shipped_scenarios
 
     if name in shipped_scenarios():
-        meant = again().replace(f" {name}", f" {load_scenario(name).robot}")
+        robot = load_scenario(name).robot
+        meant = re.sub(rf" {name}(?!\S)", f" {robot}", again(), count=1)
         raise UsageError(f"{name!r} is a scenario", "ROBOT", f"try {meant}")
 
 

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from difflib import get_close_matches
 from functools import partial
-from itertools import dropwhile
+from itertools import dropwhile, takewhile
 from typing import NoReturn
 
 from planner.support import did_you_mean
@@ -51,8 +51,9 @@ class Parser(argparse.ArgumentParser):
         """Parse, and refuse what no command line of this command has."""
         own = [name for action in self._actions for name in action.option_strings]
         words = list(args or ()) if self._subparsers is None else []
-        for place, word in enumerate(words):  # before what is missing is asked for
-            if word.startswith("--") and word.partition("=")[0] not in [*own, "--"]:
+        options = takewhile("--".__ne__, words)
+        for place, word in enumerate(options):  # before what is missing is asked for
+            if word.startswith("--") and word.partition("=")[0] not in own:
                 _refuse_option(word, words[place + 1 :], self.prog, own)
         given, rest = super().parse_known_args(args, namespace)
         for begun in getattr(given, "set", ()):
@@ -176,7 +177,7 @@ def _given(key: str, text: str) -> str:
         with suppress(ValueError):
             read(given, SETTINGS[key].kind)
             return shlex.quote(f"{key}={text if given == value else toml_value(given)}")
-    return f"{key}={text}"
+    return shlex.quote(f"{key}={text}")
 
 
 def goal_setting(words: Sequence[str]) -> str:

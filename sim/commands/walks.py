@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from planner import PlannerError
 from sim.commands import options as cli
-from sim.endings import again, keeping
+from sim.endings import again, command, keeping
 from sim.errors import ExitCode, RenderError, StratawalkError, UsageError, one_line
 from sim.evaluation import quantities
 from sim.evaluation.summary import Summary, Weighed
@@ -83,7 +83,7 @@ def _walk(
     def kept() -> str:
         if (folder.path / "summary.json").exists():
             on = "show" if look is None else "film"
-            return f"the walk is complete; go on: stratawalk {on} {folder.path}"
+            return f"the walk is complete; go on: {command(on, folder.path)}"
         return cli.kept_in(folder.path, options.out)
 
     with keeping(kept):

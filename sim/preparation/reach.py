@@ -12,7 +12,7 @@ from models.adoption import propose
 from planner import Gait, Path, PlannerError, StratumError
 from planner.extension import AFFORDABLE
 from planner.support import limited
-from sim.errors import SimulationError, UsageError
+from sim.errors import SimulationError, UsageError, message
 from sim.motion.poses import relative
 from sim.scenarios.scenario import Scenario
 
@@ -55,20 +55,14 @@ def require_reach(robot: Robot, described: Equations, path: Path) -> None:
 
 
 def _no_plan(robot: Robot, found: Mobility) -> SimulationError:
-    return SimulationError(
-        f"no plan, since it cannot {' or '.join(found.lacking)}",
-        str(robot),
-        f"{found.reason}; {_remedy(robot)}",
-    )
+    what = f"no plan, since it cannot {' or '.join(found.lacking)}"
+    return SimulationError(what, str(robot), f"{found.reason}; {_remedy(robot)}")
 
 
 def _remedy(robot: Robot) -> str:
     """What would let a robot go everywhere, tried beforehand."""
     if not (proposal := propose(robot)):
-        return (
-            "legs that are mounted elsewhere or have more room to swing; no groups and "
-            "posture of these legs were found in which it goes everywhere"
-        )
+        return message("no_posture")
     return f"{proposal}; `stratawalk adopt` does so for a copy without a card"
 
 

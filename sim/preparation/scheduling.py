@@ -11,7 +11,7 @@ import numpy as np
 
 from planner import Flow
 from planner.systems import gait_steps
-from sim.errors import UsageError
+from sim.errors import UsageError, message
 from sim.motion.schedule import LegState, Schedule, Scheduler
 from sim.preparation.setup import Setup
 from sim.scenarios.scenario import Scenario
@@ -121,13 +121,9 @@ def check_effort(setup: Setup, steps: int) -> None:
     remedy = _slowest(scenario)
     if steps <= MOST_STEPS:
         remedy = f"raise sample_every above {steps * _row_size(setup) // there}"
-    raise UsageError(
-        f"{steps:,} physics steps with a row every {scenario.sample_every} would take "
-        f"{needed / 1e9:,.1f} GB of memory, {there / 1e9:,.1f} GB may be used, and at "
-        f"most {MOST_STEPS:,} steps are made",
-        f"scenario {scenario.name!r}",
-        remedy,
-    )
+    facts = {"needed": needed / 1e9, "there": there / 1e9, "most": MOST_STEPS}
+    what = message("effort", steps=steps, every=scenario.sample_every, **facts)
+    raise UsageError(what, f"scenario {scenario.name!r}", remedy)
 
 
 def check_distance(setup: Setup) -> None:

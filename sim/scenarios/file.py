@@ -13,6 +13,7 @@ from typing import Any
 
 from models.description import parse_toml, toml_key, toml_text
 from planner.support import did_you_mean, read_text
+from sim.endings import command
 from sim.errors import UsageError, telling
 from sim.scenarios import body_path as nominal, obstacles as shapes
 from sim.scenarios.body_path import START
@@ -99,8 +100,8 @@ def scenario_from(
         raise UsageError(what, where, "plan or check it, with tables [strata.NAME]")
     for key in values:
         if key == "scenario":
-            remedy = f"stratawalk sweep {where} --out sweeps/{Path(where).stem}"
-            raise UsageError("a sweep and no scenario", where, remedy)
+            on = command("sweep", where, "--out", f"sweeps/{Path(where).stem}")
+            raise UsageError("a sweep and no scenario", where, on)
         if key not in KEYS:
             near = did_you_mean(CALLED.get(key, key), KEYS)
             raise UsageError(f"unknown key {key!r}", where, near)

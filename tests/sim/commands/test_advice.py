@@ -91,7 +91,31 @@ def test_more_designs_than_can_be_counted_are_refused(capsys):
 def test_a_command_again_keeps_words_that_are_like_the_values_of_others():
     begin(["run", "line", "--segments", "2", "--no-video", "--draw=1", "--tries", "4"])
     again_from = again("--draw", "2", "--tries", "2")
+    begin(["sweep", "--out", "s", "--", "sw.toml"])
+    behind = again("--resume")
     begin([])
+    assert behind == "stratawalk sweep --out s --resume -- sw.toml"
     assert again_from == (
         "stratawalk run line --segments 2 --no-video --draw 2 --tries 2"
     )
+
+
+@pytest.mark.parametrize(
+    ("words", "advice"),
+    [
+        (["play", "line", "line.csv"], "try stratawalk play hexapod line.csv"),
+        (["friction", "$(it)"], "stratawalk run line --set 'friction=$(it)'"),
+        (["run", "line", "--frction", "$(it)"], "write --set 'friction=$(it)'"),
+        (["run", "my sweep.toml"], "stratawalk sweep 'my sweep.toml' --out 'sweeps/my"),
+        (["run", "--", "--speed"], "unknown scenario '--speed'"),
+    ],
+    ids=str,
+)
+def test_advice_changes_one_word_and_quotes_what_was_given(
+    words, advice, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "my sweep.toml").write_text('scenario = "line"')
+    begin(words)
+    assert main(words) == 2
+    assert advice in capsys.readouterr().err
