@@ -89,15 +89,16 @@ def _print_result(
 ) -> ExitCode:
     """Say what became of a sweep; the code that it ends with."""
     shown = list(result.reasons.items())[:PRINTED]
-    further = "study" if SweepFolder(table.parent).table == table else "merge"
-    waits = "once all parts are walked: " * bool(missing_shard([table.parent]))
+    whole = SweepFolder(table.parent).table == table
+    further = "study" if whole else "merge"
+    waits = not whole and bool(missing_shard([table.parent]))
     cli.report(
         options,
         asdict(result) | {"table": str(table)},
         f"{_points(result.points)}, {result.walked} walked now, {result.failed} failed",
         ", ".join(f"{word} {count}" for word, count in result.verdicts.items()),
         *(f"{count:6}  {reason}" for reason, count in shown),
-        f"{'table':8}{table}\n{'next':8}{waits}{command(further, table.parent)}",
+        f"{'table':8}{table}\n{'next':8}{'once all parts are walked: ' * waits}{command(further, table.parent)}",
     )
     if result.failed and not options.json:
         line = f"{result.failed} of {_points(result.points)} failed"

@@ -78,6 +78,18 @@ PARTS = {
         ['<joint axis="0 -1 0"', '<joint type="slide" axis="0 -1 0"'],
         "leg 1: .*joint 'lift_1' is not a hinge",
     ),
+    "a joint has damping = -5": (
+        ['<joint axis="0 -1 0"', '<joint damping="-5" axis="0 -1 0"'],
+        "leg 1: .*joint 'lift_1' has damping = -5; give it 0 to 1e6",
+    ),
+    "a joint has frictionloss = -5": (
+        ['<joint axis="0 -1 0"', '<joint frictionloss="-5" axis="0 -1 0"'],
+        "leg 1: .*joint 'lift_1' has frictionloss = -5; give it 0 to 1e6",
+    ),
+    "a joint has stiffness = 1e30": (
+        ['<joint axis="0 -1 0"', '<joint stiffness="1e30" axis="0 -1 0"'],
+        "leg 1: .*joint 'lift_1' has stiffness = 1e\\+30; give it 0 to 1e6",
+    ),
     "the body is fixed": (
         ['<freejoint name="root"/>', "", POSE, 'qpos="'],
         "0 free joints: .*; a walking robot has exactly one",
