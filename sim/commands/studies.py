@@ -88,17 +88,18 @@ def _print_result(
     options: argparse.Namespace, result: sweeping.Result, table: Path
 ) -> ExitCode:
     """Say what became of a sweep; the code that it ends with."""
-    shown = list(result.reasons.items())[:PRINTED]
-    whole = SweepFolder(table.parent).table == table
-    further = "study" if whole else "merge"
-    waits = not whole and bool(missing_shard([table.parent]))
+    shown = islice(result.reasons.items(), PRINTED)
+    on = command("study", table.parent)
+    if SweepFolder(table.parent).table != table:
+        waits = "once all parts are walked: " * bool(missing_shard([table.parent]))
+        on = waits + command("merge", table.parent)
     cli.report(
         options,
         asdict(result) | {"table": str(table)},
         f"{_points(result.points)}, {result.walked} walked now, {result.failed} failed",
         ", ".join(f"{word} {count}" for word, count in result.verdicts.items()),
         *(f"{count:6}  {reason}" for reason, count in shown),
-        f"{'table':8}{table}\n{'next':8}{'once all parts are walked: ' * waits}{command(further, table.parent)}",
+        f"{'table':8}{table}\n{'next':8}{on}",
     )
     if result.failed and not options.json:
         line = f"{result.failed} of {_points(result.points)} failed"

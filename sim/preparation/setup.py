@@ -89,10 +89,10 @@ class Setup:
 
     def walk_cache(self, shared: Shared | None) -> Cache:
         """Caches what follows from the walk's commands alone, in any physics."""
-        scenario = self.scenario
+        scenario, limits = self.scenario, self.limits
         if shared is None or scenario.replan or not self.is_shareable:
             return no_cache
-        key = self.robot, scenario.key(*PLAN), self.limits, scenario.sample_every
+        key = self.robot, scenario.key(*PLAN, "motion"), limits, scenario.sample_every
         return lambda kind, make: shared.cached(kind, key, make, CACHED_WALKS)
 
     @property
