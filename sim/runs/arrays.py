@@ -115,7 +115,9 @@ def _declared(
             version, _ = np.lib.format.read_magic(file)
             shape, _, dtype = HEADERS[version](file)
             size = file.tell() + prod(shape) * dtype.itemsize
-        if dtype.kind not in NUMBERS or size != member.file_size:
+        if dtype.kind not in NUMBERS:
+            raise ValueError(f"{key} of {name} has {dtype} in place of real numbers")
+        if size != member.file_size:
             declared = f"{key} of {name} declares {size} bytes of numbers"
             raise ValueError(f"{declared} and has {member.file_size}")
         yield key, shape
