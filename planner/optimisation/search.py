@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from planner.errors import BoundError, BudgetError
+from planner.errors import BoundError, BudgetError, message
 from planner.numerics.arrays import Array
 from planner.optimisation.constraints import CHECKED_SHARE, Margins
 from planner.optimisation.task import Solution, Task
@@ -104,21 +104,17 @@ class Search(WindowSearch):
         relaxed = [i.name for i in self.task.inequalities if i.relaxed]
         names = " and ".join([] if self.without_soft else relaxed)
         if found is None:
-            less = f"ask for less {names}" if names else ""
-            return BoundError(
-                f"no plan was found along the path, whatever its tolerances, at "
-                f"{window.ends[0]:.0%} of it; "
-                + (less or "take a path that the joint ranges allow")
-            )
+            other = "take a path that the joint ranges allow"
+            way_out = f"ask for less {names}" if names else other
+            facts = {"place": window.ends[0], "way_out": way_out}
+            return BoundError(message("no_window", **facts))
         width = found.width * CHECKED_SHARE if names else found.width
         kept = " and ".join(f"{width * t.most:.3g}" for t in self.task.tolerances)
         asked = " and ".join(f"{t.most:.3g}" for t in self.task.tolerances)
         lack = (width - CHECKED_SHARE) * self.task.unit(self.path(0.0))
         lacking = f", and its {names} may lack {lack:.3g}" if names else ""
-        return BoundError(
-            f"no plan was found within {asked} of the path at {window.ends[0]:.0%} of "
-            f"it; the nearest found there keeps {kept}{lacking}"
-        )
+        facts = {"asked": asked, "place": window.ends[0], "kept": kept + lacking}
+        return BoundError(message("too_near", **facts))
 
 
 def _first_count(length: float) -> int:

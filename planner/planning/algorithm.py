@@ -83,7 +83,7 @@ class Plan:
         require_flows(self.system, self.flows)
         for element in self.elements:
             parse(element, self.system)
-        for name in (self.depart, self.arrive, *self.gait):
+        for name in (self.depart, self.arrive):
             require_known(f"stratum {name!r}", name, self.system.strata)
         ends = (0, *self.segment_ends)
         if list(ends) != sorted(ends) or ends[-1] != len(self.flows):

@@ -15,10 +15,11 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from planner.errors import StratumError
 from planner.planning.algorithm import Plan
 from planner.support.files import read_file, whole_file
 from planner.systems.fields import NumericField
-from planner.systems.flows import Flow
+from planner.systems.flows import Flow, Gait
 from planner.systems.formulas import read_formula, write_formula
 from planner.systems.strata import StratifiedSystem
 
@@ -118,8 +119,9 @@ def load_plan(path: Path | str) -> Plan:
     if not isinstance(table, dict) or table.get("format") != FORMAT:
         raise ValueError(f"{path} is not a plan of the format {FORMAT!r}; save it anew")
     try:
+        system, gait = system_from(table["system"]), tuple(table.get("gait", ()))
         return Plan(
-            system=system_from(table["system"]),
+            system=system,
             elements=tuple(table["elements"]),
             basis=tuple(table["basis"]),
             flows=tuple(Flow(s, f, float(t)) for s, f, t in table["flows"]),
@@ -129,7 +131,7 @@ def load_plan(path: Path | str) -> Plan:
             nominal=np.array(table["nominal"]),
             depart=table["depart"],
             arrive=table["arrive"],
-            gait=tuple(table.get("gait", ())),
+            gait=Gait(system, gait).strata if gait else (),
         )
-    except (KeyError, TypeError, AttributeError, ValueError) as error:
+    except (KeyError, TypeError, AttributeError, ValueError, StratumError) as error:
         raise ValueError(f"{path} is damaged: {error}; save the plan again") from None

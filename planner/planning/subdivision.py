@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from planner.errors import BoundError
+from planner.errors import BoundError, message
 from planner.numerics.arrays import Array
 from planner.support.stopping import tick
 
@@ -74,16 +74,11 @@ def subdivide(cuts: Array, slacks: Callable[[Array], Sequence[Slack]]) -> Array:
 def _refusal(cuts: Array, found: Sequence[Slack]) -> BoundError:
     worst = max(found, key=lambda slack: needed(slack).max())
     at = int(needed(worst).argmax())
-    many = (
-        f"more than {MOST_DIVIDED} segments, above all between s = {cuts[at]:.4g} and "
-        f"{cuts[at + 1]:.4g} of the path"
-    )
+    many = message("many", most=MOST_DIVIDED, low=cuts[at], high=cuts[at + 1])
     if not worst.unit:
         return BoundError(f"the {worst.bound} needs {many}; give a shorter path")
-    return BoundError(
-        f"{worst.bound} of {worst.least:.4g} {worst.unit} would need {many}; "
-        f"{worst.kept:.4g} {worst.unit} is kept with {len(cuts) - 1}: ask for less"
-    )
+    facts = {"many": many, "count": len(cuts) - 1}
+    return BoundError(message("finer", of=worst, **facts))
 
 
 def needed(slack: Slack) -> Array:

@@ -23,7 +23,7 @@ from sim.folder import whole
 from sim.palette import FAINT, OUTCOMES, Colour
 from sim.reports.drawing import finish
 from sim.reports.tables import Table
-from sim.scenarios.file import toml_value
+from sim.scenarios.file import scenario_table, shipped_scenarios, toml_value
 from sim.scenarios.settings import FORMER, SETTINGS
 from sim.studies.results import LIMITS, NO_WALK, SEPARATE, Findings, Results
 from sim.sweeps.folder import run_folder
@@ -120,15 +120,22 @@ def _points(
             link = Markup(f'<a href="{{}}/{own}/report.html">report</a>').format(places)
         else:
             fixed = {**results.asked.get("set", {}), **settings}
-            name = quote(str(results.asked.get("scenario", {}).get("name", "SCENARIO")))
             sets = (f"--set {quote(f'{k}={toml_value(v)}')}" for k, v in fixed.items())
-            words = f"stratawalk run {name}", *sets
+            words = f"stratawalk run {_walked(results)}", *sets
             link = Markup(" ").join(map(Markup("<code>{}</code>").format, words))
         cells = (toml_value(value) for value in settings.values())
         off, word = 100 * results.off[i], results.columns["verdict"][i]
         rows.append((str(number), f"{off:.3g} %", str(word), *cells, link))
     heads = "point", "farthest off", "verdict", *results.keys, "report or command"
     return Table(heads, rows)
+
+
+def _walked(results: Results) -> str:
+    """A name for the scenario of a sweep; shipped ones may have been changed since."""
+    known, table = shipped_scenarios(), results.asked.get("scenario", {})
+    name = str(table.get("name"))
+    same = name in known and scenario_table(name)[0] == table
+    return name if same else "SCENARIO.toml"
 
 
 def _draw_map(axes: Axes, results: Results, across: str, up: str) -> None:

@@ -83,7 +83,7 @@ def test_a_run_is_of_its_own_robot_unless_another_is_named(monkeypatch, tmp_path
     monkeypatch.setattr(
         command,
         "read_run",
-        lambda _: SimpleNamespace(scenario=SimpleNamespace(robot="quadruped")),
+        lambda _: SimpleNamespace(scenario=SimpleNamespace(robot="quadruped"), card=1),
     )
     loaded = []
     monkeypatch.setattr(command.cli, "robot_of", lambda _, name: loaded.append(name))

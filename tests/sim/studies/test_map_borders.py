@@ -8,6 +8,7 @@ import pytest
 
 from sim.errors import UsageError
 from sim.palette import OUTCOMES
+from sim.scenarios.file import scenario_table
 from sim.studies import sensitivities as library
 from sim.studies.maps import (
     CELL,
@@ -45,13 +46,13 @@ def test_the_page_has_the_five_worst_and_the_five_best(tmp_path):
 
 
 def test_points_have_the_command_that_walks_them_or_their_report(tmp_path):
-    asked = {"set": {"friction": 0.5}, "scenario": {"name": "my line"}}
+    own = scenario_table("line")[0] | {"swing_speed": 0.25}
+    asked = {"set": {"friction": 0.5}, "scenario": own}
     some = replace(results([0.0123456, 0.2]), asked=asked)
     rows = _points(some, [1, 0], tmp_path, "there").rows
     number, off, word, value, command = rows[1]
     assert (number, off, word, value) == ("0", "1.23 %", "arrived", "0.0")
-    assert "stratawalk run" in str(command)
-    assert "my line" in str(command)
+    assert "stratawalk run SCENARIO.toml" in str(command)  # not the shipped line
     assert "friction=0.5" in str(command)
     assert "a=0.0" in str(command)
     assert rows[0][0] == "1"

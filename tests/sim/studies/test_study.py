@@ -12,6 +12,7 @@ from pyarrow import parquet
 
 from sim.cli import main
 from sim.errors import UsageError
+from sim.scenarios.file import scenario_table
 from sim.studies import maps
 from sim.studies.maps import _place
 from sim.studies.results import Results, findings, read_results
@@ -19,7 +20,8 @@ from sim.sweeps.file import read_sweep, shipped_studies
 from sim.sweeps.table import write_table
 
 ASKED = {
-    "vary": {"friction": [], "play with draw": []}, "scenario": {"name": "line"},
+    "vary": {"friction": [], "play with draw": []},
+    "scenario": scenario_table("line")[0],
     "set": {},
 }  # fmt: skip
 ABOUT = {"asked": ASKED, "software": {}}
