@@ -63,7 +63,7 @@ def killed(words, ledger, chance, more, number):
 @pytest.mark.parametrize(
     ("points", "times", "number"),
     [
-        pytest.param(4, 1, signal.SIGKILL, id="few"),
+        pytest.param(8, 1, signal.SIGKILL, id="few"),
         pytest.param(100, 20, signal.SIGKILL, id="hundred", marks=pytest.mark.full),
         pytest.param(100, 20, signal.SIGHUP, id="hung up", marks=pytest.mark.full),
         pytest.param(100, 20, signal.SIGTERM, id="ended", marks=pytest.mark.full),
@@ -78,7 +78,7 @@ def test_a_sweep_survives_being_killed(tmp_path, points, times, number):
     words = ("sweep", file, "--out", out, "--workers", 2, "--resume")
     counts, codes = [0], []
     for _ in range(times):
-        codes.append(killed(words, ledger, chance, points // times, number))
+        codes.append(killed(words, ledger, chance, points // (times + 1), number))
         counts.append(lines(ledger))
     assert counts == sorted(counts)
     ended = {signal.SIGHUP: 129, signal.SIGTERM: 143}.get(number, -number)
