@@ -150,8 +150,9 @@ def evaluate(
         >>> sorted(evaluate(walk).predicted)
         ['compliant', 'ideal', 'identified', 'quasi_static']
     """
+    known = (*PREDICTIONS, "creep_floor")
     for word in without:
-        if word not in (known := (*PREDICTIONS, "creep_floor")):
+        if word not in known:
             raise refusal(word, f"some of {', '.join(known)}", "without")
     predicted: dict[str, Prediction] = {}
     unpredicted: dict[str, str] = {}

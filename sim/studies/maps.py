@@ -111,7 +111,7 @@ def _points(
     results: Results, points: Sequence[int], folder: Path, places: str
 ) -> Table:
     """Points with their settings, and the report of each or the command that walks."""
-    rows = []
+    rows, scenario = [], _walked(results)
     for i in points:
         number = int(results.column("point")[i])
         settings = {key: results.columns[key][i] for key in results.keys}
@@ -121,7 +121,7 @@ def _points(
         else:
             fixed = {**results.asked.get("set", {}), **settings}
             sets = (f"--set {quote(f'{k}={toml_value(v)}')}" for k, v in fixed.items())
-            words = f"stratawalk run {_walked(results)}", *sets
+            words = f"stratawalk run {scenario}", *sets
             link = Markup(" ").join(map(Markup("<code>{}</code>").format, words))
         cells = (toml_value(value) for value in settings.values())
         off, word = 100 * results.off[i], results.columns["verdict"][i]
