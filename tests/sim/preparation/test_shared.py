@@ -5,7 +5,7 @@ from typing import Literal, get_args, get_origin
 
 import pytest
 
-from models import load
+from models import ModelError, load
 from sim.planning.open_loop import plan_open_loop
 from sim.preparation import setup
 from sim.preparation.setup import prepare
@@ -115,6 +115,13 @@ def test_whether_a_robot_stands_is_tried_once_a_world(plain, hexapod, monkeypatc
         prepare(changed(plain, name), hexapod, shared)
         prepare(plain, hexapod, shared)
     assert len(tried) == 4
+
+
+def test_walks_that_lift_less_in_the_same_world_are_tried_anew(plain, hexapod):
+    shared = Shared()
+    prepare(plain, hexapod, shared)
+    with pytest.raises(ModelError, match="a lifted foot rises by 0.0 mm only"):
+        prepare(replace(plain, lift_height=1e-5), hexapod, shared)
 
 
 def test_things_are_made_once_and_the_oldest_are_forgotten():
