@@ -71,10 +71,11 @@ def again(*more: str) -> str:
     options = [word for word in more if word.startswith("--")]
     for word in given:
         name, valued, _ = word.partition("=")
-        if name not in options:
-            words.append(word)
-        elif not valued:
-            next(given, None)
+        takes = not valued and name in ("--set", *options)
+        pair = [word, next(given, "")] if takes else [word]
+        setting = pair[-1].removeprefix("--set=").partition("=")[0]
+        own = f"--{setting}" if name == "--set" else name
+        words += pair * (own not in options)
     end = words.index("--") if "--" in words else len(words)  # of the options
     return command(*words[:end], *more, *words[end:])
 

@@ -54,6 +54,12 @@ class StratawalkError(Exception):
         what, _, advice = str(getattr(error, "strerror", 0) or error).partition("; ")
         return cls(what, where, advice or remedy)
 
+    @classmethod
+    def of(cls, sentence: str, where: object, /, **facts: object) -> Self:
+        """What `refusals.toml` says of a place, which is `what; what to do`."""
+        what, _, remedy = message(sentence, **facts).rpartition("; ")
+        return cls(what, str(where), remedy)
+
     def __reduce__(self) -> tuple[object, ...]:
         """Travel between processes, although an error is made from three texts."""
         return Exception.__new__, (type(self), *self.args), self.__dict__

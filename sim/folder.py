@@ -235,5 +235,4 @@ def _writing(
             size = needed()
             room = f"{size / 1e6:.1f} MB" if size >= 1e5 else f"{size / 1e3:.1f} kB"
             most = f", {about}{room} needed" if size else ""
-            remedy = "free some space, or write to another disk"
-            raise FilesError(f"disk full{most}", str(path), remedy) from error
+            raise FilesError.of("full", path, most=most) from error

@@ -15,6 +15,7 @@ import threading
 import time
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
+from math import inf
 from types import FrameType
 from typing import NoReturn
 
@@ -77,6 +78,7 @@ def watch() -> None:
     os.set_blocking(writer, False)
     signal.set_wakeup_fd(writer, warn_on_full_buffer=False)
     threading.Thread(target=_wait, args=(reader,), daemon=True).start()
+    sys.unraisablehook = _unnoticed
 
 
 @contextmanager
@@ -148,6 +150,14 @@ def _wait(reader: int) -> None:
         for number in ENDS.keys() & set(signals):
             if _noticed[0] < began - NOTICE_TIME:
                 _end_now(number, "during a long step")
+
+
+def _unnoticed(lost: sys.UnraisableHookArgs) -> None:
+    """An exception that Python drops, in a destructor for one, has ended nothing."""
+    if issubclass(lost.exc_type, KeyboardInterrupt):
+        _noticed[0] = -inf
+    else:
+        sys.__unraisablehook__(lost)
 
 
 def _end_now(number: int, when: str) -> NoReturn:

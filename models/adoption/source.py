@@ -25,7 +25,9 @@ from models.errors import ModelError, UnknownRobotError
 from planner.support import read_file
 
 FREE = re.compile(r"<freejoint|type=\"free\"")
+COMMENT = re.compile("<!--.*?-->", re.S)
 PACKAGE = r'package://([^/"]+)/([^"]+)'
+NAMED = r"<{}\b[^>]*?\s{}\s*=\s*[\"']([^\"']+)"  # an element by an attribute
 FILE = "file://"
 PARENTS = 4  # folders above a URDF in which its packages are looked for
 ROOT = "adopted_world"  # link that a URDF's base floats in
@@ -94,6 +96,7 @@ def source_of(name: str, allow_external: bool = False) -> Source:
         inspect_model(path, (), allow_external)
         return Source(path, path, None)
     given = read_file(path).decode(errors="replace")
+    given = COMMENT.sub(lambda comment: "\n" * comment[0].count("\n"), given)
     found = re.sub(PACKAGE, lambda name: _in_package(path.parent, name), given)
     drawn, notes = with_shapes(path, given, found)
     if drawn == given:
@@ -135,8 +138,8 @@ def _in_package(folder: Path, name: re.Match[str]) -> str:
 
 def _from_urdf(path: Path, text: str) -> str:
     """MJCF of a URDF whose base floats, its parts named."""
-    links = re.findall(r"<link\s+name=[\"']([^\"']+)", text)
-    children = set(re.findall(r"<child\s+link=[\"']([^\"']+)", text))
+    links = re.findall(NAMED.format("link", "name"), text)
+    children = set(re.findall(NAMED.format("child", "link"), text))
     bases = [link for link in links if link not in children]
     if not bases or "</robot" not in text:
         raise refusal("bases", path, count=len(bases))
@@ -144,6 +147,10 @@ def _from_urdf(path: Path, text: str) -> str:
     with one_line(f"not a usable URDF file: {path}"):
         spec = mujoco.MjSpec.from_string(joined)
         own, spec.meshdir = spec.meshdir, str(path.parent / spec.meshdir)
+        for joint in spec.joints:  # the compiler would take these limits for none
+            low, high = joint.range
+            if low > high or low == high != 0:
+                raise refusal("limits", path, joint=joint.name, low=low, high=high)
         spec.compile()
     named(spec)
     here = f' meshdir="{spec.meshdir}"'
@@ -162,7 +169,7 @@ def with_shapes(path: Path, given: str, text: str) -> tuple[str, tuple[str, ...]
 
     The text is what was given, with the files of packages found.
     """
-    if "<!" in text.replace("<!--", ""):  # no entities
+    if "<!" in text:  # no entities
         return text, ()
     try:
         robot, written = ET.fromstring(text), ET.fromstring(given)

@@ -23,7 +23,7 @@ import numpy as np
 from models.description.card import LegCard
 from models.description.compiled import levelled
 from models.description.robot import Robot
-from models.errors import ModelError
+from models.errors import ModelError, message
 from planner import Array
 
 Geom = mujoco.mjtGeom
@@ -106,10 +106,7 @@ def _lowest_core(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> Core:
     if (core := covering_core(model, geom)) is not None:
         return core
     shape = Geom(kind).name.removeprefix("mjGEOM_").lower()
-    raise ModelError(
-        f"foot {model.geom(geom).name!r} is a {shape}: give it a sphere, a capsule, a "
-        "box, a cylinder, an ellipsoid or a mesh to stand on"
-    )
+    raise ModelError(message("sole", foot=model.geom(geom).name, shape=shape))
 
 
 UPRIGHT = np.deg2rad(3)  # smaller tilts change lengths by less than 0.2 %

@@ -33,4 +33,5 @@ from .table import (
     parse_toml as parse_toml,
     toml_key as toml_key,
     toml_text as toml_text,
+    without_tables as without_tables,
 )

@@ -155,7 +155,7 @@ def _tried(path: Path) -> list[str]:
     # else is installed.
     paths = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
     single = dict.fromkeys(("OPENBLAS_NUM_THREADS", "MALLOC_ARENA_MAX"), "1")
-    quick = {"MUJOCO_GL": "disabled", **single}
+    quick = {"MUJOCO_GL": "disabled", "PYTHONIOENCODING": "utf-8", **single}
     try:
         done = subprocess.run(
             [sys.executable, "-P", "-m", __spec__.name, str(path)],

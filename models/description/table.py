@@ -54,6 +54,12 @@ def toml_text(text: str) -> str:
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
+def without_tables(text: str, headers: re.Pattern[str]) -> str:
+    """TOML without the tables whose lines of brackets match; comments above stay."""
+    tables = re.split(r"^(?=[ \t]*\[)", text, flags=re.M)
+    return "".join(table for table in tables if not headers.match(table)).rstrip()
+
+
 def toml_key(name: str) -> str:
     """A key as TOML writes it."""
     return name if re.fullmatch(r"(?a:[\w-])+", name) else toml_text(name)

@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 import sympy as sp
 
+from models.errors import message
 from planner import (
     Array,
     Execution,
@@ -98,10 +99,8 @@ class Problem:
     def __post_init__(self) -> None:
         object.__setattr__(self, "gait", Gait(self.system, self.gait).strata)
         if self.gait[0] != self.system.bottom:
-            raise StratumError(
-                f"gait of {self.name} starts in S{self.gait[0]}; start in the bottom "
-                f"stratum S{self.system.bottom}"
-            )
+            facts = {"first": self.gait[0], "bottom": self.system.bottom}
+            raise StratumError(message("gait_start", name=self.name, **facts))
         require_segments(self.segments, self.path)
         ShapeCoordinates(self.system).require_limits(self.limits)
         _ = self.states, self.execution  # refuse unknown coordinates and stances

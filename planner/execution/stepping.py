@@ -116,9 +116,7 @@ class _Legs:
         moves = self._moves(now, targets)
         if moves is None:
             where = ", ".join(f"{self.shape.names[i]} = {now[i]:.4g}" for i in now)
-            raise StratumError(
-                f"no leg can be repositioned without tipping from {where}"
-            )
+            raise StratumError(message("all_tip", place=where))
         flows: list[Flow] = []
         for i, place in moves:
             unit, rate = self.recoveries[i]

@@ -15,7 +15,7 @@ from itertools import islice, pairwise, product
 import numpy as np
 from numpy.typing import ArrayLike
 
-from planner.errors import PlannerError, RankError, SingularConfigurationError
+from planner.errors import PlannerError, RankError, SingularConfigurationError, message
 from planner.extension.bracket_fields import hall_fields
 from planner.extension.fields_on_bottom import on_bottom
 from planner.numerics.arrays import Array
@@ -90,9 +90,7 @@ def choose_elements(
     """
     x = np.atleast_2d(np.asarray(at, dtype=float))
     if x.ndim != 2 or x.shape[1] != system.dimension:
-        raise ValueError(
-            f"configurations have shape {x.shape}, expected (k, {system.dimension})"
-        )
+        raise ValueError(message("shaped", shape=x.shape, size=system.dimension))
     if max_degree < 1:
         raise ValueError(f"max_degree is {max_degree}; fields themselves have degree 1")
     usable = _usable_fields(system)

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from planner.lie.hall import Bracket, Element, degree, hall_basis, is_hall_pair, place
 from planner.lie.tensor import Tensor
 from planner.messages import message
-from planner.numerics.arrays import Array
+from planner.numerics.arrays import Array, reals
 
 Expansion = Mapping[Element, int]
 
@@ -129,7 +129,7 @@ class LieAlgebra:
         Raises `ValueError`, with the name of the values, if they are not finite or
         misshapen.
         """
-        array = np.array(values, dtype=float)  # callers may fill theirs again
+        array = reals(values, what)  # a copy: callers may fill theirs again
         if array.shape[-1:] != (len(self.basis),):
             facts = {"what": what, "shape": array.shape, "size": len(self.basis)}
             raise ValueError(message("misshapen", **facts))

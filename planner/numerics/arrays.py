@@ -1,10 +1,11 @@
-"""The array type of this project, and the bound of rounding errors."""
+"""The array type of this project, its real numbers, and the bound of rounding."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from numpy.typing import NDArray
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[Any]
 """Numbers, truth values or indices. Docstrings give the shape and the unit.
@@ -17,3 +18,11 @@ Example:
 
 ROUNDING = 1e-12
 """A value is zero if it is below this part of the terms that it is a sum of."""
+
+
+def reals(values: ArrayLike, what: str) -> Array:
+    """A copy as floats; `ValueError` for dates, texts and complex numbers."""
+    array = np.asarray(values)
+    if array.dtype.kind not in "biufO":  # NumPy would make floats of them, too
+        raise ValueError(f"{what} are of type {array.dtype}; give real numbers")
+    return np.array(array, dtype=float)

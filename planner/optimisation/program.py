@@ -207,6 +207,8 @@ class Program:
         start = guess.states[0]
         lowest, highest = self.unknowns.bounds(start, places, goal, CHECKED_SHARE)
         low, high = self._constraints.bounds(margins)
+        if np.count_nonzero(low == high) > np.count_nonzero(lowest < highest):
+            return None  # more equations than unknowns that are free to meet them
         compiled = self._warm_solver if near else self._solver
         found = compiled(
             x0=self.unknowns.packed(guess), lbx=lowest, ubx=highest, lbg=low, ubg=high

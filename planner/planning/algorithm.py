@@ -11,7 +11,7 @@ from itertools import accumulate, chain, pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from planner.errors import RangeError, ResolutionError, require_known
+from planner.errors import RangeError, ResolutionError, message, require_known
 from planner.execution.execution import Execution
 from planner.extension.extended import ExtendedSystem
 from planner.numerics.arrays import Array
@@ -87,9 +87,7 @@ class Plan:
             require_known(f"stratum {name!r}", name, self.system.strata)
         ends = (0, *self.segment_ends)
         if list(ends) != sorted(ends) or ends[-1] != len(self.flows):
-            raise ValueError(
-                f"segment_ends do not ascend to the number of flows, {len(self.flows)}"
-            )
+            raise ValueError(message("unordered", count=len(self.flows)))
         segments, nodes = len(self.segment_ends), self.inputs.shape[1:2]
         for name, value, shape in (
             ("nominal", self.nominal, (segments + 1, self.system.dimension)),
@@ -97,9 +95,8 @@ class Plan:
             ("inputs", self.inputs, (segments, *nodes, len(self.elements))),
         ):
             if value.shape != shape or not np.isfinite(value).all():
-                raise ValueError(
-                    f"{name} of shape {value.shape} should be {shape} finite numbers"
-                )
+                facts = {"name": name, "shape": value.shape, "wanted": shape}
+                raise ValueError(message("should_be", **facts))
 
     @property
     def start(self) -> Array:

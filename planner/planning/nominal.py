@@ -33,6 +33,7 @@ ROUNDED_OFF = 1e-9  # length that rounding may take from each step of a path
 TAIL = 1e-3  # part of inputs in the last terms of their series that needs a check
 NEARLY_SINGULAR = 1e-6  # least singular value over the largest; plans are played
 USELESS = 0.9  # part of the way that is missed by a plan of no use
+STILL = 1e-100  # extent of a segment whose parts have products that underflow
 MISSED = 0.2  # relative part of a velocity; resolved inputs miss a hundredth
 
 
@@ -134,7 +135,7 @@ def fictitious_inputs_along(extended: ExtendedSystem, samples: Array) -> Array:
     """
     segments, nodes, _ = samples.shape
     inputs = np.zeros((segments, nodes, len(extended.elements)))
-    moving = np.ptp(samples, axis=1).any(axis=1)
+    moving = (np.ptp(samples, axis=1) > STILL).any(axis=1)
     if moving.any():
         velocity = collocation(nodes).derivative @ samples[moving]
         units = extended.steering.element_units(samples[0, 0])

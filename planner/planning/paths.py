@@ -12,9 +12,11 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from planner.numerics.arrays import Array
+from planner.messages import message
+from planner.numerics.arrays import Array, reals
 
 COLUMNS = ("x", "y", "yaw")  # [m], [m], [rad]
+HALVINGS = 40  # of a step in which a curve may jump
 ARC_PRECISION = 1e-12  # of the arc length, relative
 
 
@@ -37,7 +39,7 @@ class Path:
 
     def __call__(self, s: float) -> Array:
         """The configuration at one parameter, shape (n,)."""
-        return self.at(np.array([s], dtype=float))[0]
+        return self.at(reals([s], "parameters"))[0]
 
 
 def line(start: ArrayLike, goal: ArrayLike) -> Path:
@@ -163,12 +165,11 @@ def recut(path: Path, cuts: Array) -> Path:
 
 
 def _configurations(points: Sequence[ArrayLike]) -> Array:
-    rows = [np.asarray(point, dtype=float) for point in points]
+    rows = [reals(point, "coordinates") for point in points]
     for k, row in enumerate(rows):
         if row.ndim != 1 or row.shape != rows[0].shape:
-            raise ValueError(
-                f"point {k + 1} has shape {row.shape}, the first {rows[0].shape}"
-            )
+            facts = {"number": k + 1, "shape": row.shape, "first": rows[0].shape}
+            raise ValueError(message("uneven", **facts))
         if not np.isfinite(row).all():
             raise ValueError(f"point {k + 1} is not finite: {row.tolist()}")
     return np.array(rows)
@@ -190,13 +191,17 @@ def formula_curve(formulas: Mapping[str, object]) -> tuple[Path, float]:
         if isinstance(text, bool) or not isinstance(text, str | int | float):
             raise ValueError(f"{name} is {text!r}; write a formula of s")
         exprs.append(read_formula(text, [s]))
+        if exprs[-1].has(sp.zoo, sp.nan, sp.oo, -sp.oo):
+            raise ValueError(f"{name} = {text} divides by zero")
     pose = [sp.lambdify(s, e, modules=np) for e in exprs]
-    rate = [sp.lambdify(s, sp.diff(e, s), modules=np) for e in exprs[:2]]
+    slopes = [sp.diff(e, s).replace(sp.DiracDelta, lambda *_: 0) for e in exprs[:2]]
+    rate = [sp.lambdify(s, slope, modules=np) for slope in slopes]
 
     def at(parameters: Array) -> Array:
         with np.errstate(all="ignore"):
             columns = [np.broadcast_to(f(parameters), parameters.shape) for f in pose]
-        return np.stack(columns, axis=-1).astype(float)
+        found = np.stack(columns, axis=-1)
+        return np.where(np.isreal(found), found.real, np.nan).astype(float)
 
     places = np.linspace(0.0, 1.0, 1001)
     poses = at(places)
@@ -205,7 +210,26 @@ def formula_curve(formulas: Mapping[str, object]) -> tuple[Path, float]:
         raise ValueError(f"not finite at s = {places[~finite][0]:.4g}; keep it finite")
     if (poses == poses[0]).all():
         raise ValueError("all poses are the same; let x, y or yaw change with s")
-    return Path(at), _arc_length(lambda t: np.hypot(*(f(t) for f in rate)), [0.0, 1.0])
+    _require_continuous(at, places, poses)
+    chords = float(np.hypot(*np.diff(poses[:, :2], axis=0).T).sum())  # if slopes hide
+    arc = _arc_length(lambda t: np.hypot(*(f(t) for f in rate)), [0.0, 1.0])
+    return Path(at), max(arc, chords * (1 - ARC_PRECISION))
+
+
+def _require_continuous(
+    at: Callable[[Array], Array], places: Array, poses: Array
+) -> None:
+    """Raise `ValueError` where a largest step stays as large between closer places."""
+    steps = np.abs(np.diff(poses, axis=0))
+    for axis, k in enumerate(steps.argmax(axis=0)):
+        ends, step = places[k : k + 2], 0.0
+        for _ in range(HALVINGS):
+            low, high = ends
+            ends = np.array([low, (low + high) / 2, high])
+            parts = np.abs(np.diff(at(ends)[:, axis]))
+            ends, step = ends[parts.argmax() :][:2], parts.max()
+        if step > steps[k, axis] / 2 > 0.0:
+            raise ValueError(message("jumps", name=COLUMNS[axis], place=ends[0]))
 
 
 def table_curve(poses: Sequence[Sequence[float]]) -> tuple[Path, float]:

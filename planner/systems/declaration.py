@@ -58,13 +58,10 @@ def checked_strata(
         checked[stratum] = {}
         for name, value in fields.items():
             if not NAME.fullmatch(name):
-                raise ValueError(
-                    f"field name {name!r} of S{stratum}: use letters, digits, _"
-                )
+                raise ValueError(message("field_name", name=name, stratum=stratum))
             if name in owner:
-                raise ValueError(
-                    f"field {name} is in S{owner[name]} and S{stratum}; rename one"
-                )
+                both = owner[name], stratum
+                raise ValueError(message("in_two", name=name, strata=both))
             owner[name] = stratum
             checked[stratum][name] = _field(f"field {name} of S{stratum}", value, state)
     return checked

@@ -10,7 +10,7 @@ import re
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from planner.errors import require_known
+from planner.errors import message, require_known
 from planner.systems.fields import VectorField, lie_bracket
 from planner.systems.strata import StratifiedSystem
 
@@ -29,9 +29,7 @@ def parse(text: str, system: StratifiedSystem) -> Tree:
             require_known(f"element {text}: field {name}", name, names)
             return name
         if not 1 <= int(name) <= len(names):
-            raise ValueError(
-                f"element {text}: generators are numbered 1 to {len(names)}"
-            )
+            raise ValueError(message("numbered", text=text, count=len(names)))
         return names[int(name) - 1]
 
     return relabel(parse_names(text), resolve)
@@ -62,9 +60,7 @@ def _read(tokens: Iterator[str], text: str) -> Tree:
     for mark in ",]":
         branches.append(_read(tokens, text))
         if next(tokens, "") != mark:
-            raise ValueError(
-                f"element {text!r} lacks a {mark!r}; write a field or [a,b]"
-            )
+            raise ValueError(message("unclosed", text=text, mark=mark))
     return tuple(branches)
 
 

@@ -63,9 +63,7 @@ def _column(field: sp.Matrix, size: int) -> sp.Matrix:
         field = strictly(np.atleast_1d(np.asarray(field, dtype=object)))
     column = sp.Matrix(field)
     if column.shape != (size, 1):
-        raise ValueError(
-            f"field has shape {column.shape}; the state asks for ({size}, 1)"
-        )
+        raise ValueError(message("field_shape", shape=column.shape, size=size))
     return column
 
 

@@ -53,9 +53,8 @@ def require_flows(system: StratifiedSystem, flows: Sequence[Flow]) -> None:
         require_known(f"flow on stratum {stratum!r}, which", stratum, system.strata)
         require_known(f"field {field}", field, system.fields)
         if (owner := system.stratum_of[field]) != stratum:
-            raise ValueError(
-                f"flow along {field} on S{stratum}; the field belongs to S{owner}"
-            )
+            facts = {"field": field, "stratum": stratum, "owner": owner}
+            raise ValueError(message("foreign_flow", **facts))
     if not all(map(math.isfinite, map(itemgetter(2), flows))):
         flow = next(flow for flow in flows if not math.isfinite(flow.duration))
         raise ValueError(f"the duration of flow {flow} is not finite")

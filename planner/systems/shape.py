@@ -105,9 +105,7 @@ class ShapeCoordinates:
     def _index(self, name: str, low: float, high: float) -> int:
         require_known(f"limit of {name}, which", name, self.names)
         if not low < high:
-            raise ValueError(
-                f"limits of {name} are empty: {low} to {high}; give the lower one first"
-            )
+            raise ValueError(message("no_room", name=name, low=low, high=high))
         if (index := self.names.index(name)) not in self.coordinates:
             raise ValueError(message("limit", name=name))
         return index

@@ -13,6 +13,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import product
+from types import MappingProxyType
 
 import numpy as np
 import sympy as sp
@@ -84,7 +85,10 @@ class StratifiedSystem:
         require_known(f"bottom {self.bottom!r}", self.bottom, strata)
         for name, value in (
             ("state", normalised),
-            ("strata", strata),
+            (
+                "strata",
+                MappingProxyType({s: MappingProxyType(strata[s]) for s in strata}),
+            ),
             ("level_sets", level_sets),
             ("metric", checked_metric(self.metric, normalised)),
             ("lifts", checked_lifts(self.lifts, strata)),

@@ -146,9 +146,8 @@ def _require_room(robot: Robot) -> None:
     try:
         parse_toml(card_with(robot.card_text, servos, BOARD_CLOCK))
     except ValueError as error:
-        what = f"servos cannot be written, {str(error).partition(' (at')[0]}"
-        remedy = "begin their tables with lines [servo.JOINT], the board's with [board]"
-        raise UsageError(what, str(robot.path.with_suffix(".toml")), remedy) from error
+        card, why = robot.path.with_suffix(".toml"), str(error).partition(" (at")[0]
+        raise UsageError.of("unwritten", card, why=why) from error
 
 
 def _clock(ask: _Asker) -> float | None:
@@ -238,9 +237,8 @@ def _check(robot: Robot, kind: ServoKind, folder: RunFolder) -> Mapping[str, str
     """Write three strokes for the servos that the card has."""
     card = robot.card
     if missing := [joint for joint in card.joints if joint not in card.joint_servos]:
-        what = f"no servo for joint {missing[0]!r}"
-        remedy = f"find them first: {command('calibrate', robot.path)}"
-        raise UsageError(what, "the robot's card", remedy)
+        facts = {"joint": missing[0], "find": command("calibrate", robot.path)}
+        raise UsageError.of("no_servo", "the robot's card", **facts)
     pulse = kind.signal == "pulse"
     commands, facts = strokes(robot, kind.command_rate)
     table = servo_table(card, card.joints, kind, pulse, rate=kind.command_rate)

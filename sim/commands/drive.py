@@ -49,9 +49,7 @@ def drive(options: argparse.Namespace) -> None:
             x, y, yaw = stop.thought
             far = hypot(x - stop.expected[0], y - stop.expected[1])
             if far > ASTRAY + scenario.path.length:
-                what = f"the robot is told to be {far:.3g} m from where it should be"
-                remedy = "give poses in metres and radians, from where it started"
-                raise UsageError(what, f"segment {segment + 1}", remedy)
+                raise UsageError.of("astray", f"segment {segment + 1}", far=far)
             cli.notice(
                 f"segment {segment + 1} of {scenario.segments}: estimated "
                 f"at {x:z.4f} m, {y:z.4f} m, {yaw:z.3f} rad",

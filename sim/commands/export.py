@@ -104,9 +104,8 @@ def _source(options: argparse.Namespace, progress: Progress) -> Source:
     if folder.is_dir():
         given = [*cli.given_settings(options).values()]
         if given := given + ["--set"] * bool(options.set):
-            what = f"{', '.join(given)} for a run, which is exported as it was walked"
-            remedy = "give the scenario instead, or leave these options out"
-            raise UsageError(what, options.scenario, remedy)
+            words = ", ".join(given)
+            raise UsageError.of("walked", options.scenario, given=words)
         source = from_run(folder, allow_external=options.allow_external)
     else:
         scenario = cli.scenario_of(options)
@@ -114,9 +113,8 @@ def _source(options: argparse.Namespace, progress: Progress) -> Source:
         source = from_scenario(scenario, robot, progress)
     own = source.servo.rate
     if options.rate and own and options.rate != own:
-        what = f"--rate {options.rate:g} for servos that took {own:g} a second"
-        remedy = "leave --rate out, or plan with --set command_rate"
-        raise UsageError(what, options.scenario, remedy)
+        rates = {"rate": options.rate, "own": own}
+        raise UsageError.of("other_rate", options.scenario, **rates)
     return source
 
 

@@ -83,9 +83,7 @@ def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | No
     run = runs.get(paths[0])
     for path, other in runs.items():
         if run and other.card != run.card:
-            raise UsageError(
-                f"another robot than {first}'s", str(path), "fit each alone"
-            )
+            raise UsageError.of("other_robot", path, first=first)
     robot = cli.robot_of(options, run.scenario.robot if run and not named else first)
     settings = cli.settings_of(options)
     if run and settings:
@@ -100,9 +98,7 @@ def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | No
             raise UsageError("nothing was measured", str(path), remedy)
         check_measured(path, log)
         if log.joints != logs[0].joints:
-            what = f"other joints than in {paths[0]}"
-            remedy = "give the same columns, or fit each alone"
-            raise UsageError(what, str(path), remedy)
+            raise UsageError.of("other_joints", path, first=paths[0])
     if run is not None:
         return prepare(scenario, robot), logs, walked_of_run(run)
     setup = prepare(scenario, robot, log=logs[0])

@@ -30,11 +30,16 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Raise instead of printing and exiting."""
+        from sim.scenarios.file import shipped_scenarios
+
         lacking = message.removeprefix("the following arguments are required: ")
         if lacking != message:
             remedy, begun = str(self.epilog), again().removeprefix(self.prog)
             if lacking.removesuffix("|SYSTEM") == "SCENARIO" and begun:
-                remedy = f"for example: {self.prog} line{begun}"
+                words, _, last = begun.rpartition(" ")  # perhaps an option took it
+                known = last.endswith(".toml") or last in shipped_scenarios()
+                line = f"{last}{words}" if known else f"line{begun}"
+                remedy = f"for example: {self.prog} {line}"
             raise UsageError(f"{lacking} missing", self.prog, remedy)
         name, _, why = message.removeprefix("argument ").partition(": ")
         whole = r"\1 is not allowed; give a whole number"
@@ -61,7 +66,7 @@ class Parser(argparse.ArgumentParser):
                 remedy = f"write --set {goal_setting([begun[5:], *rest])}"
                 raise UsageError("the goal is that of the path", "--set", remedy)
             if "=" not in begun and rest:
-                remedy = f"write --set {begun}={rest[0]}"
+                remedy = f"write --set {shlex.quote(f'{begun}={rest[0]}')}"
                 raise UsageError(f"{begun} has no value", "--set", remedy)
             if "=[" in begun and "]" not in begun:
                 remedy = "put quotes around a list: --set 'path.goal=[0, 0.05, 0]'"
@@ -203,7 +208,8 @@ def _refuse_option(
     name = option.lstrip("-").replace("-", "_")
     settings = [f"--{key}" for key in SETTINGS if "--set" in known]
     given = value if equals else " ".join(rest[:1]) or "VALUE"
-    one, out = ("1", "NAME") if given == "VALUE" else (given, shlex.quote(given))
+    plain = given if re.fullmatch(r"[\w.+-]+", given) else "VALUE"  # for a shell
+    one, out = ("1", "NAME") if given == "VALUE" else (plain, shlex.quote(given))
     words = {"goal": goal_setting([value, *rest]), "value": one, "out": out}
     remedy = GUESSES["options"].get(name, "").format_map(words)
     if remedy.startswith("write --") and remedy.split()[1] not in known:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
 from pathlib import Path
 from typing import Any
 
@@ -102,10 +103,14 @@ def _adopted(options: argparse.Namespace) -> tuple[Source, Draft, Setup, list[Pa
             setup = prepare(load_scenario("line", {"robot": name}), robot)
         with cli.working(options, "drawing it from above"), whole(picture) as part:
             save_standing(setup, draft.gait.pivots, part)
-    except BaseException:
+    except BaseException as error:
         for path in (card, picture, *model):
             path.unlink(missing_ok=True)
-        raise
+        if not isinstance(error, ModelError):
+            raise
+        drafted = f"{re.escape(str(source.path.with_suffix('')))}[.](xml|toml)"
+        told = re.sub(drafted, lambda _: str(source.given), str(error))
+        raise ModelError(told) from error  # about the file that is still there
     return source, draft, setup, [*model, card, picture]
 
 

@@ -143,13 +143,9 @@ def design(options: argparse.Namespace) -> None:
     robot, out = cli.robot_of(options, options.robot), options.out
     count, legs = count_designs(len(robot.legs)), f"{len(robot.legs)} legs"
     if not count:
-        what = f"{legs} are too few for two groups that carry the body in turn"
-        remedy = "take six legs or more; `stratawalk check` judges a robot as it is"
-        raise UsageError(what, options.robot, remedy)
+        raise UsageError.of("few_legs", options.robot, legs=legs)
     if options.designs is None and count > MOST_DESIGNS:
-        what = f"{legs} have {count:,} designs, which are too many to look at"
-        remedy = "add --designs 10000 for those with the fewest joints"
-        raise UsageError(what, options.robot, remedy)
+        raise UsageError.of("designs", options.robot, legs=legs, count=count)
     path = None if out is None else new_file(Path(out), "table", ".parquet")
     count, rows = min(options.designs or count, count), []
     with bar(quiet=options.json) as progress:

@@ -185,8 +185,9 @@ def tries_of(
 
     The hints are printed once there is a folder.
     """
-    folder = claim(cli.folder_of(options), scenario.name)
     draws = range(scenario.draw, scenario.draw + options.tries)
+    replace(scenario, draw=draws[-1])  # refused before anything is written
+    folder = claim(cli.folder_of(options), scenario.name)
 
     def kept() -> str:
         table = folder.path / TABLE

@@ -17,7 +17,7 @@ import mujoco
 import numpy as np
 
 from models import JointServo, Kinematics, Robot, ServoKind, load
-from models.description import board_divider, toml_key
+from models.description import board_divider, toml_key, without_tables
 from planner import Array
 from sim import palette
 from sim.errors import RenderError, message
@@ -77,8 +77,7 @@ def marks(robot: Robot, joint: str) -> tuple[float, float]:
 
 def card_with(text: str, servos: Mapping[str, JointServo], clock: float | None) -> str:
     """A card's text with servos, and a measured clock, in place of those it had."""
-    tables = re.split(r"^(?=[ \t]*\[)", text, flags=re.M)
-    lines = ["".join(table for table in tables if not OWN.match(table)).rstrip()]
+    lines = [without_tables(text, OWN)]
     if clock is not None:
         lines += ["", "[board]", f"clock = {clock:.0f}  # [Hz], measured"]
     for joint, servo in servos.items():

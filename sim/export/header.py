@@ -29,7 +29,7 @@ CALLS = {  # of the board's library, for pulses in counts and in microseconds
     False: "setPWM({}_channel[i], 0, row[i])",
     True: "writeMicroseconds({}_channel[i], row[i])",
 }
-SIZES = re.compile(r"^#define \w+_(RATE|FRAME_RATE|COMMANDS|JOINTS) (\S+)", re.M)
+SIZES = re.compile(r"^#define \w+_(RATE|COMMANDS|JOINTS) (\S+)", re.M)
 DIGITS = re.compile(r"^static const char PROGMEM \w+\[\] =\n(.*?)\n;$", re.M | re.S)
 CHANNELS = re.compile(r"^static const uint8_t \w+_channel\[\d+\] = \{(.*?)\};", re.M)
 
@@ -71,7 +71,7 @@ def write_header(
 def read_header(text: str, table: ServoTable) -> ServoCommands:
     """The commands of such a header for the same servos."""
     packed, channels = DIGITS.search(text), CHANNELS.search(text)
-    sizes = dict(SIZES.findall(text))
+    sizes = dict(SIZES.findall(text)[::-1])  # the first of each: frames have a rate
     if packed is None or channels is None or "RATE" not in sizes:
         raise ValueError("no table of pulses in PROGMEM")
     found = [int(number) for number in channels[1].split(",")]

@@ -114,10 +114,8 @@ def served(scenario: Scenario, rate: float = SERVO_RATE) -> ServedWalk:
     """
     for key, allowed in IN_PIECES.items():
         if (value := getattr(scenario, key)) not in allowed:
-            what = (
-                f"{key} = {value!r} is for a whole path, and drive plans piece by piece"
-            )
-            raise UsageError(what, f"scenario {scenario.name!r}", f"leave {key} out")
+            where = f"scenario {scenario.name!r}"
+            raise UsageError.of("piecewise", where, key=key, value=value)
     setup = prepare(scenario)
     plain = drawn(scenario, setup.robot).as_planned
     learn = True if scenario.learn is None else scenario.learn

@@ -68,9 +68,8 @@ class ServoTable:
         for before, servo in pairwise(self.channels):
             if before.channel == servo.channel:
                 joints = f"{before.joint!r} and {servo.joint!r}"
-                what = f"{joints} are both on channel {servo.channel}"
-                remedy = "give every joint a channel of its own"
-                raise UsageError(what, "the servo table", remedy)
+                facts = {"joints": joints, "channel": servo.channel}
+                raise UsageError.of("one_channel", "the servo table", **facts)
         most = 255 if self.frame_rate else BUS_NUMBERS[-1]  # 255: a byte of a header
         if self.channels and (servo := self.channels[-1]).channel > most:
             what = f"joint {servo.joint!r} is on channel {servo.channel}"

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import reprlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -19,6 +20,7 @@ import mujoco
 import numpy as np
 
 from models import Robot
+from models.description import parse_toml, toml_text, without_tables
 from planner import Array
 from sim.errors import SimulationError, UsageError
 from sim.fitting.estimate import Estimates, estimate, parameters_of, pooled, together
@@ -39,7 +41,7 @@ LOOSE = ((0.0, 0.01), (0.0, 0.01))  # [rad]; dead bands and backlash that are tr
 NARROWEST = 1e-5  # [rad]; a band that all joints have, so that all are built alike
 FITTED = 0.75  # of the rows of a log; the rest checks
 FEWEST_ROWS = 20  # of a log; six parameters are fitted to each joint
-ON_CARD = "\n[fitted]\n"  # the last table of a card
+LAST_FIT = re.compile(r"""[ \t]*\[[ \t]*(["']?)fitted\1[ \t]*[.\]]""")
 SHOWS = 2.0  # standard errors, below which backlash or delay is none
 ROUNDS = 3  # of walking on the floor, all but the first with servos as found
 Value = float | list[float]
@@ -97,9 +99,7 @@ def fit_joints(setup: Setup, logs: Sequence[Log], walking: bool) -> JointFit:
         for servo in (start, whole)
     )
     if (lost := np.isfinite(before) & ~np.isfinite(after)).any():
-        what = "the servo that fits best cannot be simulated"
-        remedy = "give a log in which every joint moves"
-        raise SimulationError(what, logs[0].joints[int(lost.argmax())], remedy)
+        raise SimulationError.of("unsimulated", logs[0].joints[int(lost.argmax())])
     return JointFit(logs[0].joints, each, make, own, before, after)
 
 
@@ -193,14 +193,19 @@ def card_text(robot: Robot, fitted: Fitted, sources: Sequence[str]) -> str:
         try:
             read(value, SETTINGS[key].kind)
         except ValueError:
-            what = f"{key} = {reprlib.repr(value)} was found, and no walk takes it"
-            remedy = "check units and zeros of the log, or calibrate the robot first"
-            raise UsageError(what, ", ".join(sources), remedy) from None
+            facts = {"key": key, "value": reprlib.repr(value)}
+            raise UsageError.of("untaken", ", ".join(sources), **facts) from None
     lines = [f"{key} = {json.dumps(value)}" for key, (value, _) in fitted.items()]
     errors = [f"{key} = {json.dumps(error)}" for key, (_, error) in fitted.items()]
-    came = f"source = {json.dumps(list(sources), ensure_ascii=False)}"
-    table = [*lines, came, "", "[fitted.errors]", *errors]
-    return robot.card_text.partition(ON_CARD)[0] + ON_CARD + "\n".join(table) + "\n"
+    came = f"source = [{', '.join(map(toml_text, sources))}]"
+    table = ["[fitted]", *lines, came, "", "[fitted.errors]", *errors]
+    text = "\n".join([without_tables(robot.card_text, LAST_FIT), "", *table, ""])
+    try:
+        parse_toml(text)
+    except ValueError as error:
+        card, why = robot.path.with_suffix(".toml"), str(error).partition(" (at")[0]
+        raise UsageError.of("unfit", card, why=why) from error
+    return text
 
 
 def check_free(card: Path) -> None:

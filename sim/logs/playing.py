@@ -187,7 +187,7 @@ def within_reach(log: Log, robot: Robot) -> Log:
     line = (
         f"{log.joints[joint]} is commanded to {angle:.4g} rad at {moment:.4g} s and "
         f"stops at the end of its range, {low[joint]:.4g} to {high[joint]:.4g} rad; "
-        "give --units where these are no radians"
+        "give the right --units where these are no radians"
     )
     return replace(log, done=(*log.done, line))
 

@@ -20,6 +20,7 @@ import shapely
 from models import ModelError, Robot
 from models.contact import covering_core
 from planner import Array
+from sim.errors import message
 from sim.scenarios.obstacles import Obstacle
 
 if TYPE_CHECKING:  # films need none of what it loads
@@ -93,10 +94,7 @@ def hulls(points: Array) -> Array:
 def _part(model: mujoco.MjModel, geom: int) -> Part:
     name, core = model.geom(geom).name, covering_core(model, geom)
     if core is None:
-        raise ModelError(
-            f"geom {name or geom} can collide, and its shape covers no definite floor; "
-            "make it a sphere, a capsule, a box, a cylinder, an ellipsoid or a mesh"
-        )
+        raise ModelError(message("no_core", geom=name or geom))
     points = core.points
     if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_MESH:  # its hull collides
         from scipy.spatial import ConvexHull

@@ -126,9 +126,7 @@ def _refuse_obstacles(model: mujoco.MjModel, data: mujoco.MjData) -> None:
             if other.startswith(PREFIX) and contact.dist < 0:
                 number = other.removeprefix(PREFIX).split("_")[0]
                 deep = f"{-1e3 * contact.dist:.1f} mm deep in obstacle {number}"
-                remedy = "move the obstacle; poses are measured from the start"
-                what = f"the robot starts with {own} {deep}"
-                raise UsageError(what, "obstacles", remedy)
+                raise UsageError.of("starts_in", "obstacles", part=own, deep=deep)
 
 
 def problem(what: str, **facts: object) -> tuple[str, str]:

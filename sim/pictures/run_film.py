@@ -96,9 +96,8 @@ def film_folder(
         first, last = walk.time[[*rows_of(walk.time, stretch)]]
         if first == last:
             end = f"{stretch[1]:g} s".replace("inf s", "the end")
-            what = f"nothing to film between {max(stretch[0], 0):g} s and {end}"
-            remedy = f"give times from 0 to {walk.time[-1]:.2f} s"
-            raise UsageError(what, "film", remedy)
+            facts = {"start": max(stretch[0], 0), "end": end, "last": walk.time[-1]}
+            raise UsageError.of("nothing_to_film", "film", **facts)
         pictures = len(clock(walk.time, walk.scenario.playback, stretch).rows)
     driver = check()
     drawn = 0

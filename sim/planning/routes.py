@@ -168,9 +168,7 @@ def _ompl() -> tuple[Ompl, Ompl, Ompl]:
     try:
         from ompl import base, geometric, util
     except ImportError as error:
-        what = "no path is given, and finding one needs OMPL"
-        remedy = "pip install ompl, or give a line or waypoints"
-        raise UsageError(what, "path", remedy) from error
+        raise UsageError.of("no_path", "path") from error
     return base, geometric, util
 
 

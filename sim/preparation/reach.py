@@ -96,7 +96,6 @@ def lift_angle(kinematics: Kinematics, height: float | None) -> float:
     if height is None:
         return kinematics.robot.card.lift_angle
     if height > kinematics.highest:
-        what = f"lift_height = {height} is out of reach of the lift joints"
-        remedy = f"give at most {kinematics.highest:.4f} m"
-        raise UsageError(what, str(kinematics.robot), remedy)
+        heights = {"height": height, "highest": kinematics.highest}
+        raise UsageError.of("too_high", kinematics.robot, **heights)
     return kinematics.lift_to(height)

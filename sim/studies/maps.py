@@ -5,9 +5,11 @@ A page has them in classes that are fitted to the data, with the best and worst 
 
 from __future__ import annotations
 
+import json
 import os
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from itertools import combinations
 from pathlib import Path
 from shlex import quote
@@ -114,7 +116,7 @@ def _points(
     rows, scenario = [], _walked(results)
     for i in points:
         number = int(results.column("point")[i])
-        settings = {key: results.columns[key][i] for key in results.keys}
+        settings = {key: _given(results.columns[key][i]) for key in results.keys}
         own = run_folder(number)
         if (folder / own / "report.html").exists():
             link = Markup(f'<a href="{{}}/{own}/report.html">report</a>').format(places)
@@ -128,6 +130,13 @@ def _points(
         rows.append((str(number), f"{off:.3g} %", str(word), *cells, link))
     heads = "point", "farthest off", "verdict", *results.keys, "report or command"
     return Table(heads, rows)
+
+
+def _given(value: object) -> object:
+    """What a point was given: columns of lists, and of unlike values, are JSON."""
+    with suppress(ValueError, TypeError, RecursionError):  # of what is no such text
+        return json.loads(value)  # type: ignore[arg-type]
+    return value
 
 
 def _walked(results: Results) -> str:

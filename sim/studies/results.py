@@ -156,11 +156,12 @@ def read_results(path: Path, prediction: str = "") -> Results:
     results = Results(columns, keys, prediction, asked, judge=judge)
     made = {p.label for k, p in PREDICTIONS.items() if f"error.{k}.farthest" in columns}
     if made and results.label not in made:
-        what = f"the walks were not compared with the {results.label} prediction"
-        remedy = f"give --prediction {' or '.join(sorted(made))}"
-        raise UsageError(what, str(file), remedy)
-    if results.walked.any():
-        results.column(f"error.{prediction}.farthest")
+        facts = {"label": results.label, "made": " or ".join(sorted(made))}
+        raise UsageError.of("not_compared", file, **facts)
+    if not results.walked.any():
+        why = next(iter(columns["status"]), "it has no rows")
+        raise UsageError.of("none_walked", file, why=why)
+    results.column(f"error.{prediction}.farthest")
     return results
 
 

@@ -28,6 +28,7 @@ Block = tuple[tuple[str, ...], Sequence[Choice]]  # keys, and their choices
 Table = Mapping[str, object]
 RANGE = {"from", "to", "count", "scale"}
 LINEAR, LOGARITHMIC = "linear", "log"
+LAST_END = 1e100  # between ends beyond it there may be no numbers
 MOST_POINTS = 50_000  # of a sweep; checking them takes some ten seconds
 WHOLE = {name for name, item in SETTINGS.items() if item.includes(int)}
 STUDIES = Path(str(files("sim.studies")))
@@ -144,9 +145,8 @@ def _anchored(block: Block, folder: Path) -> Block:
 def left_out(given: object) -> tuple[str, ...]:
     """The measures that a sweep leaves out, in order."""
     if not isinstance(given, list) or not all(word in MEASURES for word in given):
-        what = f"without = {given!r} is not allowed"
-        names = " and ".join(MEASURES)
-        raise UsageError(what, "the sweep's file", f"give a list of {names}")
+        facts = {"given": given, "names": " and ".join(MEASURES)}
+        raise UsageError.of("without", "the sweep's file", **facts)
     return tuple(sorted(given))
 
 
@@ -174,8 +174,7 @@ def list_block(table: Table) -> Block:
     lengths = {key: len(values) for key, values in columns.items()}
     if len(set(lengths.values())) > 1:
         counts = ", ".join(f"{key} has {count}" for key, count in lengths.items())
-        remedy = "give all of them as many values, or put them under [grid]"
-        raise UsageError(f"lists of different lengths, {counts}", "[list]", remedy)
+        raise UsageError.of("lengths", "[list]", counts=counts)
     return tuple(columns), list(zip(*columns.values(), strict=True))
 
 
@@ -190,9 +189,8 @@ def sobol_block(table: Table) -> Block:
     seed = _whole("seed", table.get("seed", 0), 0, 2**32 - 1)
     spans = dict(flat({k: v for k, v in table.items() if k not in ("points", "seed")}))
     if not 0 < len(spans) <= qmc.Sobol.MAXDIM:
-        what = f"{len(spans)} keys vary" if spans else "no key varies"
-        remedy = f"give from 1 to {qmc.Sobol.MAXDIM} of key = [low, high]"
-        raise UsageError(what, "[sobol]", remedy)
+        facts = {"count": len(spans) or "no", "most": qmc.Sobol.MAXDIM}
+        raise UsageError.of("keys", "[sobol]", **facts)
     engine = qmc.Sobol(len(spans), scramble=True, rng=np.random.default_rng(seed))
     unit = engine.random_base2(math.ceil(math.log2(count)))[:count]
     columns = [
@@ -233,13 +231,17 @@ def _span(given: object, where: str) -> tuple[float, float, str]:
     if isinstance(given, Mapping):
         ends, scale = [given.get("from"), given.get("to")], given.get("scale", LINEAR)
     two = isinstance(ends, list) and len(ends) == 2 and all(map(is_number, ends))
-    if not isinstance(ends, list) or not two or not all(map(math.isfinite, ends)):
-        raise UsageError("no two ends", where, "give [low, high], two numbers")
+    if (
+        not isinstance(ends, list)
+        or not two
+        or not all(abs(e) < LAST_END for e in ends)
+    ):
+        raise UsageError.of("two_ends", where, far=LAST_END)
     low, high = ends
-    if scale not in (LINEAR, LOGARITHMIC) or (scale == LOGARITHMIC and low <= 0):
-        what = f"scale = {scale!r} from {low} to {high} is not allowed"
-        remedy = 'give scale = "linear", or "log" between two ends above 0'
-        raise UsageError(what, where, remedy)
+    tight = scale == LOGARITHMIC and min(ends) <= 1 / LAST_END
+    if scale not in (LINEAR, LOGARITHMIC) or tight:
+        facts = {"scale": scale, "low": low, "high": high, "least": 1 / LAST_END}
+        raise UsageError.of("scale", where, **facts)
     return low, high, scale
 
 

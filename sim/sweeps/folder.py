@@ -45,9 +45,8 @@ class Shard:
 
     def __post_init__(self) -> None:
         if not 1 <= self.number <= self.count:
-            what = f"there is no part {self.number} of {self.count}"
-            remedy = f"give I/N with I from 1 to {max(self.count, 1)}"
-            raise UsageError(what, "--shard", remedy)
+            facts = {"part": self.number, "of": self.count, "last": max(self.count, 1)}
+            raise UsageError.of("no_part", "--shard", **facts)
 
     def __contains__(self, point: int) -> bool:
         return point % self.count == self.number - 1
@@ -160,9 +159,7 @@ class SweepFolder:
         """
         before = About.read(self.about) or about
         if (differ := before.differences(about)) and not mix:
-            what = f"begun with something else, {'; '.join(differ)}"
-            remedy = "choose another folder, or mix them in one table with --force-mix"
-            raise UsageError(what, str(self.path), remedy)
+            raise UsageError.of("mixed", self.path, differ="; ".join(differ))
         about = replace(about, mixed=mix or before.mixed)
         RunFolder(self.path).write_json(self.about.name, asdict(about))
         return about
@@ -211,9 +208,8 @@ def sole_owner(path: Path) -> Iterator[None]:
         try:
             lock.acquire()
         except Timeout:
-            what = f"{_owner_in(owner) or 'another process'} is working on this sweep"
-            remedy = "wait for it, or choose another folder with --out"
-            raise FilesError(what, str(path.parent), remedy) from None
+            who = _owner_in(owner) or "another process"
+            raise FilesError.of("working", path.parent, who=who) from None
     try:
         me = {"pid": os.getpid(), "host": socket.gethostname()}
         RunFolder(owner.parent).write_json(owner.name, me)

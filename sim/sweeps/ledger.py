@@ -198,9 +198,8 @@ def read_ledger(
                     point = (points or {}).get(one.digest, one.digest)
                     raise ValueError(f"point {point} has two results, {differ[0]}")
             except ValueError as error:
-                what = f"line {number} is not as a sweep wrote it, {error}"
-                remedy = "delete that line; --resume walks its point again"
-                raise UsageError(what, str(path), remedy) from error
+                facts = {"number": number, "why": error}
+                raise UsageError.of("ledger_line", path, **facts) from error
     return known
 
 

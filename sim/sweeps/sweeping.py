@@ -232,7 +232,6 @@ def _common_about(sources: Sequence[Path]) -> About:
     (first, about), *others = found.items()
     for path, other in others:
         if differ := about.differences(other):
-            what = f"not of one sweep, {'; '.join(differ)}"
-            remedy = "merge shards of the same file and software, in a folder of theirs"
-            raise UsageError(what, f"{first} and {path}", remedy)
+            both, facts = f"{first} and {path}", "; ".join(differ)
+            raise UsageError.of("not_one", both, differ=facts)
     return replace(about, mixed=any(one.mixed for one in found.values()))

@@ -76,9 +76,7 @@ def read_table(path: Path) -> tuple[dict[str, list[object]], dict[str, Any]]:
         if isinstance(error, pa.ArrowException | OSError):
             damaged = "it is damaged, or no Parquet file"
             why = getattr(error, "strerror", None) or damaged
-        what = f"not the table of a sweep, {why}"
-        remedy = "give the table that `stratawalk sweep` has written"
-        raise UsageError(what, str(path), remedy) from error
+        raise UsageError.of("no_table", path, why=why) from error
     return columns, about
 
 

@@ -20,6 +20,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
+from multiprocessing.forkserver import ensure_running
 from typing import Any
 
 from sim.errors import SweepError, UsageError, one_line
@@ -107,9 +108,8 @@ class WorkerPool:
         try:
             yield from self._carried_out(tasks)
         except (OSError, CancelledError) as error:
-            what = f"the scheduler is gone, {type(error).__name__}"
-            where = str(self.client.scheduler.address)
-            raise SweepError(what, where, "start it and its workers again") from error
+            where, why = self.client.scheduler.address, type(error).__name__
+            raise SweepError.of("scheduler_gone", where, why=why) from error
 
     def _carried_out(self, tasks: Iterable[Task]) -> Iterator[Outcome]:
         waiting, seen = deque(tasks), time.monotonic()
@@ -217,15 +217,12 @@ class WorkerPool:
         there = self._there()
         if there and there.keys() <= unlike.keys():
             worker, why = next(iter(unlike.items()))
-            what = f"no worker computes with the same software, {why}"
-            remedy = "install the same versions everywhere, and go on with --resume"
-            raise SweepError(what, worker, remedy)
+            raise SweepError.of("software", worker, why=why)
         if there.keys() - unlike.keys():  # it is loading what it is asked about
             since = time.monotonic()
         if time.monotonic() - since > NO_WORKER_TIMEOUT:
-            what = f"no worker for {NO_WORKER_TIMEOUT:.0f} s"
-            remedy = "start some with `dask worker`, and go on with --resume"
-            raise SweepError(what, str(self.client.scheduler.address), remedy)
+            where = self.client.scheduler.address
+            raise SweepError.of("no_worker", where, seconds=NO_WORKER_TIMEOUT)
         time.sleep(0.05)
         return since
 
@@ -272,22 +269,21 @@ async def _greet(scheduler: str) -> None:
 def _local(stack: ExitStack, workers: int) -> LocalCluster:
     """A scheduler in this process, and workers that listen to this machine alone."""
     folder = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
+    with deaf([signal.SIGINT, signal.SIGHUP, signal.SIGXCPU]):  # meant for the sweep
+        ensure_running()  # which starts them
     try:
-        with deaf([signal.SIGXCPU]):  # a limit is for the sweep, not for its points
-            cluster = LocalCluster(
-                n_workers=workers,
-                threads_per_worker=1,
-                host="127.0.0.1",
-                dashboard_address=None,
-                memory_limit=0,
-                local_directory=stack.enter_context(folder),
-                silence_logs=logging.CRITICAL,
-            )
+        cluster = LocalCluster(
+            n_workers=workers,
+            threads_per_worker=1,
+            host="127.0.0.1",
+            dashboard_address=None,
+            memory_limit=0,
+            local_directory=stack.enter_context(folder),
+            silence_logs=logging.CRITICAL,
+        )
     except KeyboardInterrupt:
         atexit.unregister(close_clusters)  # which cannot close one half started
         raise
     except (RuntimeError, OSError) as error:
-        remedy = "where memory or file handles are short, ask for fewer"
-        what = "a worker died as it started"
-        raise SweepError(what, f"{workers} here", remedy) from error
+        raise SweepError.of("died", f"{workers} here") from error
     return stack.enter_context(cluster)

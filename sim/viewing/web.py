@@ -38,9 +38,7 @@ LOOPBACK = ("127.0.0.1", "::1", "localhost")
 def require_loopback(host: str, public: bool) -> None:
     """Refuse to serve the network unless that is wanted."""
     if host not in LOOPBACK and not public:
-        remedy = "leave --host out and use ssh -L, or add --public"
-        what = "others could listen in, nothing is encrypted"
-        raise UsageError(what, f"--host {host}", remedy)
+        raise UsageError.of("public", f"--host {host}")
 
 
 def serve(

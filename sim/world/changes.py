@@ -47,8 +47,9 @@ def changes(robot: Robot, scenario: Scenario) -> Iterator[str]:
     }
     inertia = next(iter(added.values()), 0.0)
     for what, names in found.items():
+        first = ", ".join(map(repr, names[:3])) + (", ..." if names[3:] else "")
         if names:
-            yield MESSAGES[what].format(names=_listed(names), inertia=inertia)
+            yield MESSAGES[what].format(names=first, inertia=inertia)
     own = sorted({float(foot.friction[0]) for foot in feet} - {scenario.friction, 1.0})
     if own and scenario.foot_friction is None:
         words = ", ".join(f"{mu:g}" for mu in own)
@@ -68,7 +69,3 @@ def overlaps(robot: Robot) -> Iterator[str]:
         pair = model.geom(one).id, model.geom(two).id
         if (apart := mujoco.mj_geomDistance(model, data, *pair, 0.0, np.zeros(6))) < 0:
             yield MESSAGES["overlap"].format(one=one, two=two, apart=-1e3 * apart)
-
-
-def _listed(names: Sequence[str]) -> str:
-    return ", ".join(map(repr, names[:3])) + (", ..." if names[3:] else "")

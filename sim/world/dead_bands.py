@@ -30,9 +30,7 @@ def with_own_band(scenario: Scenario, card: Card) -> Scenario:
         return scenario
     kind = servo_settings(scenario, card).kind
     if kind is None:
-        what = "dead_band = 'own', but the robot's servos are of no make"
-        remedy = "name their make (servo), or give the width of their dead band in rad"
-        raise UsageError(what, f"scenario {scenario.name!r}", remedy)
+        raise UsageError.of("no_make", f"scenario {scenario.name!r}")
     return replace(scenario, dead_band=kind.dead_band)
 
 

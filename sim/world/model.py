@@ -69,7 +69,8 @@ def build(robot: Robot, scenario: Scenario) -> World:
     add_walls(spec, robot.root, scenario.obstacles)
     assets = gather(spec, robot)
     model = compile_model(spec, str(robot.path))
-    spec.option.integrator = suitable_integrator(model)
+    with one_line(f"MuJoCo cannot run the model: {robot.path}"):
+        spec.option.integrator = suitable_integrator(model)
     servo = common_servo(model, robot)
     ensure_dead_bands(spec, robot, scenario)
     return World(str(spec.to_xml()), assets, servo, let_down, floor.name)

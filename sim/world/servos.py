@@ -26,7 +26,7 @@ from models.description import (
     servo_of,
 )
 from planner.support import did_you_mean
-from sim.errors import UsageError
+from sim.errors import UsageError, message
 from sim.scenarios.scenario import Scenario
 
 SOFT_STIFFNESS = 300.0  # [N m/rad]; docs/fidelity.md has the errors of softer servos
@@ -105,9 +105,7 @@ def servo_settings(scenario: Scenario, card: Card) -> ServoSettings:
 def _kind(name: str, data: Mapping[str, float], scenario: Scenario) -> ServoKind:
     where = f"scenario {scenario.name!r}"
     if not name:
-        remedy = 'give kind under [servo] in the card, or servo = "ideal"'
-        what = "servo = 'own', but the robot's card names no make"
-        raise UsageError(what, where, remedy)
+        raise UsageError.of("no_own_make", where)
     if name.lower() not in (*KNOWN_SERVOS, *ALSO):
         remedy = did_you_mean(name.lower(), ("ideal", "own", *KNOWN_SERVOS))
         raise UsageError(f"servo = {name!r} is unknown", where, remedy)
@@ -183,10 +181,7 @@ def _remove(spec: mujoco.MjSpec, actuator: mujoco.MjsActuator) -> None:
 def _add_servo(spec: mujoco.MjSpec, robot: Robot, joint: str) -> mujoco.MjsActuator:
     servo = robot.card.servo
     if servo is None:
-        raise ModelError(
-            f"joint {joint!r} has no position servo: {robot.path}; "
-            "give stiffness and damping under [servo] in the card"
-        )
+        raise ModelError(message("no_position_servo", joint=joint, path=robot.path))
     actuator = plain_actuator(spec, joint, joint)
     actuator.set_to_position(kp=servo.stiffness, kv=servo.damping)
     actuator.armature = servo.armature

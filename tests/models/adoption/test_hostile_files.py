@@ -1,11 +1,13 @@
 """URDF files from strangers: tried within limits, and read from their folder alone."""
 
 import os
+import re
 
 import pytest
 
 from models.adoption.source import source_of
 from models.errors import ModelError
+from scripts.adoptees import ADOPTEES
 
 URDF = """<robot name="r"><mujoco><compiler strippath="{strip}"/>{more}</mujoco>
 <link name="base">
@@ -75,6 +77,32 @@ def test_a_urdf_may_be_written_in_any_way_that_xml_is(urdf):
     assert own == source_of(str(path)).text
 
 
+def test_a_base_in_a_comment_is_none_and_lines_are_counted_with_it(urdf):
+    path = urdf("near.obj")
+    text = path.read_text()
+    path.write_text(text.replace("<link", '<!-- <link\n name="old"/> --><link', 1))
+    own = source_of(str(path)).text
+    path.write_text(text.replace("<link", "<link  type='x'\n", 1))
+    assert own == source_of(str(path)).text
+    lost = text.replace("<link", "<!--\n\n--><link", 1).replace("<mass", "<mass <")
+    path.write_text(lost)
+    with pytest.raises(
+        ModelError, match=f"line {lost[: lost.index('<mass <')].count(chr(10)) + 1}"
+    ):
+        source_of(str(path))
+
+
+def test_limits_the_wrong_way_round_are_refused(tmp_path):
+    """The engine would let such a joint turn freely."""
+    path = next(one for one in ADOPTEES if one.name == "box").write(tmp_path)
+    text = path.read_text()
+    for low, high in ((1.2, -1.2), (0.5, 0.5)):
+        ends = f'lower="{low}" upper="{high}"'
+        path.write_text(re.sub('lower="[^"]*" upper="[^"]*"', ends, text, count=1))
+        with pytest.raises(ModelError, match=f"'yaw1' has limits from {low} to {high}"):
+            source_of(str(path))
+
+
 def test_a_folder_is_not_searched_beyond_what_is_read(tmp_path):
     with (tmp_path / "a.xml").open("w") as file:
         file.truncate(10**12)
@@ -111,7 +139,7 @@ def test_a_warning_of_the_engine_is_written_nowhere(urdf, capfd, monkeypatch):
     path.write_text(
         f'<robot name="r"><link name="a">{mass}</link><link name="b">{mass}</link>'
         '<joint name="j" type="revolute"><parent link="a"/><child link="b"/>'
-        '<limit lower="1" upper="1"/></joint></robot>'
+        '<limit lower="0" upper="0"/></joint></robot>'
     )
     monkeypatch.chdir(path.parent)
     before = os.listdir()

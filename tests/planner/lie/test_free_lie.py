@@ -148,6 +148,15 @@ def test_a_basis_out_of_order_or_not_of_hall_elements_is_refused(basis):
         LieAlgebra(basis)
 
 
+@pytest.mark.parametrize("kind", ["complex", "M8[D]", "m8[s]", "U3"])
+def test_coordinates_are_real_numbers(kind):
+    """NumPy would turn dates and texts into floats, and leave imaginary parts out."""
+    algebra = lie_algebra(hall_basis(2, 2))
+    with pytest.raises(ValueError, match="coordinates are of type .*; give real num"):
+        algebra.vector(np.zeros(3).astype(kind))
+    assert (algebra.vector([Fraction(1, 2), 1, 0]) == [0.5, 1, 0]).all()
+
+
 def test_an_empty_basis_is_refused():
     with pytest.raises(
         ValueError, match=r"empty; take hall_basis\(generators, max_deg"

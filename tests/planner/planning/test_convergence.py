@@ -127,6 +127,16 @@ def test_nilpotent_systems_are_exact_at_their_degree_and_beyond(size):
         assert misses(extended, goal, [1]) == pytest.approx([0], abs=1e-12)
 
 
+@pytest.mark.parametrize("way", [1e-101, 1e-150, 1e-300])
+def test_path_shorter_than_floats_can_multiply_is_none(way):
+    """Its coordinates would be too small for products of three of them."""
+    system = hexapod()
+    still = line([0.0] * system.dimension, [way] + [0.0] * (system.dimension - 1))
+    extended = extend(system, PAPER)
+    assert convergence_order(extended, still).order == inf
+    assert plan(extended, still, 2).flows == ()
+
+
 def test_path_that_needs_no_bracket_converges_by_its_fields_alone():
     extended = extend(hexapod(), PAPER)
     expected = convergence_order(extended, line(np.zeros(5), [1, 0, 0, 0, 0]))

@@ -44,6 +44,11 @@ def test_the_length_of_a_curve_is_that_of_its_positions(formulas, length):
         ({"x": True}, "x is True; write a formula of s"),
         ({"y": None}, "y is None; write a formula of s"),
         ({"x": "1/(s - 0.5)"}, "not finite at s = 0.5; keep it finite"),
+        ({"x": "s/0"}, "x = s/0 divides by zero"),
+        ({"y": "log(0)*s"}, "y = log(0)*s divides by zero"),
+        ({"x": "(-8)**(1/3)*s"}, "not finite at s = 0.001; keep it finite"),
+        ({"x": "s", "yaw": "sign(s - 0.3) + 1"}, "yaw jumps at s = 0.3; keep it cont"),
+        ({"x": "atan2(s, 0)"}, "x jumps at s = 0; keep it continuous"),
         ({"x": "log(s)"}, "not finite at s = 0; keep it finite"),
         ({"x": "1/(s - 1)"}, "not finite at s = 1; keep it finite"),
         ({"x": "s + 1/(s - 0.123)"}, "not finite at s = 0.123; keep it finite"),
@@ -57,6 +62,13 @@ def test_formulas_that_give_no_curve_are_refused(formulas, message):
 
 
 POSES = [[0, 0, 0], [0.3, 0, 0.1], [0.3, 0, 0.1], [0.3, 0.4, 0.3], [0.2, 0.5, 0.3]]
+
+
+def test_curves_with_bends_or_steep_slopes_are_as_long_as_they_are():
+    _, bent = formula_curve({"x": "Abs(s - 0.3)", "y": "2*sign(s - 2)*s"})
+    assert bent == pytest.approx(np.sqrt(5))
+    _, steep = formula_curve({"x": "tanh(1e5*(s - 0.5005))"})
+    assert steep == pytest.approx(2)
 
 
 def test_a_table_s_curve_passes_its_poses_in_proportion_to_their_distances():

@@ -111,6 +111,18 @@ def test_refused_robot_leaves_no_file(tmp_path, capsys):
     assert names(tmp_path) == ["spider.xml"]
 
 
+def test_a_refusal_names_the_file_that_was_given_and_none_that_is_gone(
+    tmp_path, capsys
+):
+    path = BOX.write(tmp_path)
+    path.write_text(
+        path.read_text().replace("<limit", '<dynamics damping="-1"/><limit')
+    )
+    assert main(["adopt", str(path)]) == 3
+    assert f": {path}; joint 'yaw1' has damping = -1" in capsys.readouterr().err
+    assert names(tmp_path) == ["box.urdf"]
+
+
 def test_missing_file_is_refused(tmp_path, capsys):
     assert main(["adopt", str(tmp_path / "gone.xml")]) == 2
     assert "no such robot" in capsys.readouterr().err

@@ -93,7 +93,10 @@ def test_a_command_again_keeps_words_that_are_like_the_values_of_others():
     again_from = again("--draw", "2", "--tries", "2")
     begin(["sweep", "--out", "s", "--", "sw.toml"])
     behind = again("--resume")
+    begin(["run", "line", "--set", "draw=3", "--set=draw=4", "--set", "friction=1"])
+    settings = again("--draw", "7")
     begin([])
+    assert settings == "stratawalk run line --set friction=1 --draw 7"
     assert behind == "stratawalk sweep --out s --resume -- sw.toml"
     assert again_from == (
         "stratawalk run line --segments 2 --no-video --draw 2 --tries 2"

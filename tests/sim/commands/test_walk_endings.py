@@ -10,7 +10,7 @@ import pytest
 from sim import endings, run_folder
 from sim.commands import walks
 from sim.commands.walks import Try, judged_tries, tries_of, walk_tries
-from sim.errors import ExitCode
+from sim.errors import ExitCode, UsageError
 from sim.folder import RunFolder
 from sim.scenarios.file import load_scenario
 
@@ -54,6 +54,13 @@ def test_draws_that_are_kept_are_not_walked_again(interrupted):
     assert of(*given) == (
         f"3 of 4 draws are kept in {table}; {rest} --draw 8 --tries 1"
     )
+
+
+def test_draws_beyond_the_last_are_refused_before_a_folder_is_made(monkeypatch):
+    monkeypatch.setattr(walks, "claim", pytest.fail)
+    options = Namespace(out=None, json=True, tries=2, tolerance=0.05)
+    with pytest.raises(UsageError, match="draw = 4294967296 is not allowed"):
+        tries_of(replace(LINE, draw=2**32 - 1), None, options, [])
 
 
 def test_a_walk_that_is_complete_goes_on_with_its_pictures(interrupted):

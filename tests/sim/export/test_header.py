@@ -104,6 +104,15 @@ int main() {
 """
 
 
+@pytest.mark.parametrize("name", ["walk", "frame", "my frame rate"])
+def test_a_header_is_read_back_at_the_rate_of_its_rows_not_of_its_frames(name):
+    servos = table(given=MIRRORED)
+    slow = ServoCommands(JOINTS, 10.0, np.zeros((20, len(JOINTS))))
+    header = write_header(slow, servos, **TITLE | {"name": name})
+    assert servos.frame_rate != 10.0
+    assert read_header(header, servos).rate == 10.0
+
+
 @pytest.mark.skipif(shutil.which("g++") is None, reason="no C++ compiler")
 def test_the_sketch_in_the_comment_gives_every_row_at_its_time(commands, tmp_path):
     servos = table(given=MIRRORED)

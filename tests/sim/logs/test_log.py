@@ -100,7 +100,7 @@ def test_what_was_done_to_a_log_is_said(read):
         ("time,hip_1\n0,45\n1,0\n", "'hip_1' comes to 45 rad in row 1.*--units"),
         (
             "time,hip_1,measured.hip_1\n0,0,\n1,0,-45\n",
-            "'measured.hip_1' comes to -45 rad in row 2, at 1 s: .*; give --units",
+            "'measured.hip_1' comes to -45 rad in row 2, at 1 s: .*; give the right",
         ),
         ("time,hpi_1\n0,0\n1,1\n", "no joint 'hpi_1': .*did you mean 'hip_1'"),
         ("time,body.z\n0,0\n1,1\n", "no column 'body.z'"),

@@ -95,6 +95,10 @@ FOREIGN = {
         foreign({"x": [1]}, text="[" * 10**4),
         "not the table of a sweep, maximum recursion",
     ),
+    "no point that walked": (
+        of("status", ["no plan; none", "ok?", "ok?"]),
+        "no point has numbers, no plan; none: {file}; correct what the points",
+    ),
     "a word a row": (
         foreign(column("friction") | {"friction": [str(i) for i in range(3)]}),
         "",
@@ -114,5 +118,5 @@ def test_the_table_of_a_stranger_is_refused_in_one_line(
     code = main(["study", str(tmp_path / "in" / "table.parquet"), *out])
     (line,) = capsys.readouterr().err.splitlines() or [""]
     assert code == (2 if said else 0)
-    assert said in line
+    assert said.replace("{file}", str(tmp_path / "in" / "table.parquet")) in line
     assert {path.name for path in tmp_path.iterdir()} == {"in"}

@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
+from sim.scenarios.file import parse_override, toml_value
 from sim.studies import maps
 from sim.studies.results import Results
+from sim.sweeps.table import read_table, write_table
 from tests.studies import results
 
 
@@ -45,3 +47,20 @@ def test_points_of_a_map_share_one_area_within_limits_and_show_the_worst(count, 
     first, *others = map(tuple, points.get_facecolors())
     assert first not in others
     assert len(others) == count - 1
+
+
+def test_a_command_of_the_page_sets_what_a_point_of_the_sweep_was_given(tmp_path):
+    """Lists, and what stands beside them or beside words, are texts in a table."""
+    given = {
+        "path.goal": [[0.1, 0.0, 0.0], [0.0, 0.1, 0.5]],
+        "zero_offset": [0.25, [0.1, 0.2]],
+        "feed_forward": [True, "predicted"],
+        "path": [{"kind": "line", "goal": [0.1, 0.0, 0.0]}, {"kind": "ellipse"}],
+        "robot": ["hexapod", "[own].xml"],
+    }
+    rows = [{key: values[i] for key, values in given.items()} for i in range(2)]
+    write_table(tmp_path / "t.parquet", rows, {})
+    columns, _ = read_table(tmp_path / "t.parquet")
+    for key, values in given.items():
+        shown = [toml_value(maps._given(value)) for value in columns[key]]
+        assert [parse_override(f"{key}={text}")[1] for text in shown] == values

@@ -72,6 +72,10 @@ def test_fewer_sobol_samples_are_the_first_of_more():
         ({"from": 0, "to": float("nan"), "count": 2}, "no two ends"),
         ({"from": 0, "to": 1, "count": 0}, "count = 0 is not allowed"),
         ({"from": 0, "to": 1, "count": 2, "scale": "log"}, "scale = 'log' from 0"),
+        ({"from": 1, "to": -1, "count": 2, "scale": "log"}, "scale = 'log' from 1"),
+        ({"from": 1e-300, "to": 1, "count": 2, "scale": "log"}, "above 1e-100"),
+        ({"from": -1e308, "to": 1e308, "count": 2}, "numbers nearer to 0 than 1e.100"),
+        ({"from": 10**400, "to": 1, "count": 2}, "no two ends"),
     ],
 )
 def test_impossible_values_are_refused(given, said):
@@ -83,7 +87,7 @@ def test_impossible_values_are_refused(given, said):
     ("table", "said"),
     [
         ({"friction": [0, 1]}, "points = None is not allowed"),
-        ({"points": 4}, "no key varies"),
+        ({"points": 4}, "no keys vary"),
         ({"points": 4, "friction": [0, 0.5, 1]}, "no two ends"),
         ({"points": 4} | {f"k{i}": [0, 1] for i in range(30_000)}, "30000 keys vary"),
         ({"points": 4, "seed": -1, "friction": [0, 1]}, "seed = -1 is not allowed"),

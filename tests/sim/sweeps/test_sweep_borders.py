@@ -116,7 +116,7 @@ def test_logarithmic_samples_are_even_in_their_logarithm():
         ({"points": MOST_POINTS + 1, "a": [0, 1]}, "from 1 to 50000"),
         ({"points": 4, "seed": -1, "a": [0, 1]}, "seed = -1"),
         ({"points": 4, "seed": 2**32, "a": [0, 1]}, "from 0 to 4294967295"),
-        ({"points": 4}, "no key varies"),
+        ({"points": 4}, "no keys vary"),
         ({"points": 4, "a": [0, 1, 2]}, "no two ends"),
         ({"points": 4, "a": [0]}, "no two ends"),
     ],
@@ -202,19 +202,19 @@ def test_an_address_without_a_port_is_refused_before_anything_is_made(tmp_path, 
     assert not (tmp_path / "o").exists()
 
 
-def test_a_limit_of_processor_time_is_for_the_sweep_and_not_for_its_workers(
+def test_signals_that_end_a_sweep_are_blocked_in_its_workers_as_soon_as_they_begin(
     monkeypatch,
 ):
     masks = []
 
-    def cluster(**given):
+    def begin():
         masks.append(signal.pthread_sigmask(signal.SIG_BLOCK, []))
-        return nullcontext()
 
-    monkeypatch.setattr(worker_pool, "LocalCluster", cluster)
+    monkeypatch.setattr(worker_pool, "ensure_running", begin)
+    monkeypatch.setattr(worker_pool, "LocalCluster", lambda **given: nullcontext())
     with ExitStack() as stack:
         worker_pool._local(stack, 1)
-    assert masks[0] == {signal.SIGXCPU}
+    assert masks == [{signal.SIGINT, signal.SIGHUP, signal.SIGXCPU}]
     assert signal.pthread_sigmask(signal.SIG_BLOCK, []) == set()
 
 

@@ -102,6 +102,19 @@ def test_servos_keep_their_own_damping_when_only_stiffness_is_set(hexapod, scena
     assert model.actuator_biasprm[:, 2] == pytest.approx(own.actuator_biasprm[:, 2])
 
 
+def test_a_robot_without_memory_for_its_contacts_is_refused(tricycle, scenario):
+    robot = tricycle()
+    path = robot.path.with_name("small.xml")
+    small = robot.path.read_text().replace(
+        "<worldbody", '<size memory="4K"/><worldbody'
+    )
+    path.write_text(small)
+    path.with_suffix(".toml").write_text(robot.path.with_suffix(".toml").read_text())
+    with pytest.raises(ModelError, match=r"small.xml; .*increase <size memory") as why:
+        build(load_robot(str(path)), scenario())
+    assert "\n" not in str(why.value)
+
+
 def test_the_solver_is_set_for_slip_to_mean_something(hexapod, scenario):
     option = load(build(hexapod, scenario())).opt
     assert option.cone == mujoco.mjtCone.mjCONE_ELLIPTIC
