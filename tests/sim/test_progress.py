@@ -11,8 +11,10 @@ import pytest
 
 from planner.support.stopping import tick
 from sim import progress
-from sim.progress import PATIENCE, Lines, Pace, at_most, bar, silent, stage
+from sim.progress import Lines, Pace, at_most, bar, silent, stage
 from tests.commands import PROGRESS
+
+PATIENCE = 15.0  # [s] between lines where there is no bar
 
 PROGRAM = (
     "import time\n"

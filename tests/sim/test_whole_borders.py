@@ -12,19 +12,24 @@ import pytest
 
 from sim import folder
 from sim.commands.drive import _pose
-from sim.errors import LONGEST_MESSAGE, FilesError, UsageError, one_line
+from sim.errors import FilesError, UsageError, one_line
 from sim.export.source import read_trajectory
-from sim.fitting.fitting import FEWEST_ROWS, check_measured
+from sim.fitting.fitting import check_measured
 from sim.logs import log as logs
 from sim.palette import TEXT, WHITE, Colour
 from sim.physics.measure import CONTACT_FIELDS, _slots
 from sim.preparation import scheduling
-from sim.progress import TELLING, Pace
+from sim.progress import Pace
 from sim.runs import arrays
 from sim.scenarios import body_path, obstacles
 from sim.studies import designing
-from sim.sweeps.ledger import INT64, _is_plain, _shown
+from sim.sweeps.ledger import _is_plain, _shown
 from sim.sweeps.table import _column
+
+LONGEST_MESSAGE = 1000  # characters of a line; what is left out is in its middle
+FEWEST_ROWS = 20  # of a log; six parameters are fitted to each joint
+TELLING = 0.05  # part of a stage from which on its end can be estimated
+INT64 = 2**63  # beyond the numbers that a table takes
 
 
 def test_a_line_of_the_longest_message_is_whole_and_a_longer_one_lacks_its_middle():

@@ -10,9 +10,11 @@ from models.adoption.anatomy import Limb, stands
 from models.adoption.card_text import drafted_lift, lift_room, rowing
 from models.adoption.crawl import Crawl
 from models.adoption.draft import _depth, _mid_range, _numbered
-from models.adoption.groups import CLEARANCE, TRIED_ANGLES, free_reach
-from models.checks import UNEVEN_FEET
+from models.adoption.groups import CLEARANCE, free_reach
 from models.errors import ModelError
+
+TRIED_ANGLES = 16  # angles that are tried, on each side
+UNEVEN_FEET = 0.02  # of the stance's size; tolerance of the feet's heights
 
 
 def limb(number, up=1.0, toe=(0.0, 0.0, 0.0), turn=1.0):

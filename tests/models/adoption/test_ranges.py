@@ -4,12 +4,14 @@ import mujoco
 import numpy as np
 import pytest
 
-from models.adoption.anatomy import FARTHEST, Pose, find_limbs
+from models.adoption.anatomy import Pose, find_limbs
 from models.adoption.draft import draft_card
 from models.adoption.source import source_of
 from models.errors import ModelError
 from models.library import load
 from tests import owners
+
+FARTHEST = 1e3  # [rad] that a hinge is taken to turn, whatever its range says
 
 
 def drafted(path):

@@ -8,9 +8,7 @@ import pytest
 
 from models.adoption import crawl
 from models.adoption.crawl import (
-    IDLE,
     PUSHED,
-    SHARES,
     Crawl,
     _Body,
     _moves,
@@ -18,9 +16,13 @@ from models.adoption.crawl import (
     _pushes,
     find_crawl,
 )
-from models.adoption.groups import LEAST_LOAD, MOST_SWING
 from models.contact.loads import least_load
 from models.errors import ModelError
+
+IDLE = 0.05  # of the fastest leg's swing: legs slower than that are left out
+SHARES = (1.0, 0.75, 0.5, 0.35, 0.25, 0.15)  # of the longest stroke
+LEAST_LOAD = 0.06  # share of the weight on each foot of a group that stands
+MOST_SWING = 0.45  # [rad] either way, of the leg that swings farthest
 
 HIPS = np.array([(0.1, 0.06), (0.1, -0.06), (-0.1, 0.06), (-0.1, -0.06)])
 ARMS = np.array([(0.02, 0.1), (0.03, -0.09), (-0.02, 0.1), (-0.01, -0.11)])

@@ -6,20 +6,14 @@ import numpy as np
 import pytest
 
 from models.adoption.anatomy import Limb
-from models.adoption.groups import (
-    LEAST_LOAD,
-    LEAST_SWING,
-    MOST_SWING,
-    MOST_WAYS,
-    PLACES,
-    Stand,
-    _Legs,
-    _surety,
-    _worth,
-    posed,
-    two_groups,
-)
+from models.adoption.groups import Stand, _Legs, _surety, _worth, posed, two_groups
 from models.errors import ModelError
+
+LEAST_LOAD = 0.06  # share of the weight on each foot of a group that stands
+LEAST_SWING = 0.1  # [rad] either way, of a group
+MOST_SWING = 0.45  # [rad] either way, of the leg that swings farthest
+MOST_WAYS = 12  # pairs of groups that are tried
+PLACES = 25  # along each side of the field in which pivots are looked for
 
 HIPS = np.array([(0.1, 0.06), (0.0, -0.09), (-0.1, 0.07)])
 ARMS = np.array([(0.01, 0.1), (0.005, -0.12), (-0.02, 0.09)])

@@ -6,7 +6,9 @@ import pytest
 
 from models.adoption import groups as tried
 from models.adoption.anatomy import Limb, Pose
-from models.adoption.groups import CLEARANCE, _Trial
+from models.adoption.groups import _Trial
+
+CLEARANCE = 1e-3  # [m] that parts keep from one another
 
 LEG = """<body pos="0 {y} 0"><joint name="s{n}" axis="0 0 1"/>
   <joint name="l{n}" axis="0 1 0"/>

@@ -8,17 +8,11 @@ import pytest
 
 from models import checks
 from models.checks import (
-    BEYOND,
-    CLEAR,
-    FARTHEST,
-    STEEP,
-    UNEVEN_FEET,
     _badly_standing,
     _cannot_lift,
     _cannot_swing,
     check_places,
 )
-from models.contact.kinematics import UPRIGHT
 from models.description.compiled import (
     actuator_of,
     actuators_of,
@@ -29,6 +23,13 @@ from models.description.compiled import (
     root_body,
 )
 from models.errors import ModelError
+
+STEEP = np.deg2rad(20)  # largest angle between a swing axis and the vertical
+UPRIGHT = np.deg2rad(3)  # smaller tilts change lengths by less than 0.2 %
+BEYOND = 1e-6  # [rad] by which a start may be out of range
+CLEAR = 2e-4  # [m]; least rise of a lifted foot, more than soft feet sink in
+FARTHEST = 1e6  # [m] from the origin or frame; beyond, numbers lose millimetres
+UNEVEN_FEET = 0.02  # of the stance's size; tolerance of the feet's heights
 
 FEET = np.array([[0.1, 0.2], [0.1, -0.2], [-0.15, 0.0]])  # of a stance of 0.4 m
 

@@ -18,10 +18,12 @@ from models.contact.sliding import Ground, sliding_twist
 from models.library import load as load_robot
 from planner.systems.flows import Flow
 from sim.motion.schedule import LegState, MotionLimits, Scheduler
-from sim.physics.engine import STRETCH, Engine
+from sim.physics.engine import Engine
 from sim.physics.measure import Sensors
 from sim.world.model import build, load
 from sim.world.servos import Channels
+
+STRETCH = 4000  # steps of one record at most: a tenth of a second of work as a rule
 
 UNIT = ((1.0, 0.0), (0.0, 1.0))
 SWEEP = ((0, 0.2), (0, -0.4))  # group, amount: the second runs without a start-up

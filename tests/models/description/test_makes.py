@@ -7,8 +7,11 @@ import numpy as np
 import pytest
 
 from models.description import KNOWN_SERVOS, servo_of
-from models.description.servos import BOARD_COUNTS, START_UP, JointServo, ServoKind
+from models.description.servos import JointServo, ServoKind
 from planner.support import shipped_tables
+
+BOARD_COUNTS = 4096  # in a frame
+START_UP = 0.03
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,9 @@ from time import process_time
 
 import pytest
 
-from models.description.table import DEEPEST_NESTING, parse_toml
+from models.description.table import parse_toml
+
+DEEPEST_NESTING = 32  # tables and lists inside each other
 
 
 def nested(depth):

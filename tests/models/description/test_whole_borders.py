@@ -10,13 +10,17 @@ import pytest
 
 from models.checks import _part_problems
 from models.description import inspection
-from models.description.table import LARGEST_NUMBER, Table, _is_number
+from models.description.table import Table, _is_number
 from models.errors import ModelError
 from models.morphology.mjcf import Leg
 from models.morphology.shipped import SHAPES, reshaped
-from models.systems.problem import OVERFLOWING, configuration
-from models.systems.smooth import LONGEST_CHAIN, chained
+from models.systems.problem import configuration
+from models.systems.smooth import chained
 from planner import StratifiedSystem
+
+LARGEST_NUMBER = 1e12  # numbers beyond it overflow somewhere
+OVERFLOWING = 1e100  # of a coordinate; derivatives at larger ones overflow
+LONGEST_CHAIN = 8  # likewise
 
 PLANE = StratifiedSystem("x y", {"0": {"f": [1, 0], "g": [0, 1]}}, "0")
 

@@ -7,7 +7,9 @@ import pytest
 from numpy.polynomial import Polynomial
 
 from models import IdentifiedTwists, MeasurementError
-from models.motion.twists import ROUNDING_ANGLE, FailedField, MeasuredField
+from models.motion.twists import FailedField, MeasuredField
+
+ROUNDING_ANGLE = 1e-6  # [rad] by which angles may lie beyond the reach
 
 REACH = 0.3
 NOWHERE = np.zeros((1, 2))

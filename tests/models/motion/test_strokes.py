@@ -9,7 +9,10 @@ from models.contact.dissipation import foot_velocities
 from models.contact.kinematics import Kinematics
 from models.library import load
 from models.motion.robot_equations import equations
-from models.motion.strokes import PANEL, PANEL_NODES, Strokes, _Panels
+from models.motion.strokes import Strokes, _Panels
+
+PANEL = 0.05  # [rad]; longest part of a stroke that is one panel of integration
+PANEL_NODES = 4  # exact for integrands of degree 7 over a panel
 
 MOVES = [
     ("12", [0.3, 0.0]),

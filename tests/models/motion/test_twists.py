@@ -18,20 +18,16 @@ from models.motion.real_contacts import (
     _fit,
     _horner,
 )
-from models.motion.robot_equations import (
-    STRAIGHT,
-    Equations,
-    _elements,
-    _reason,
-    equations,
-)
+from models.motion.robot_equations import Equations, _elements, _reason, equations
 from models.motion.twists import (
-    ROUNDING_ANGLE,
     FailedField,
     IdealTwists,
     IdentifiedTwists,
     MeasuredField,
 )
+
+STRAIGHT = 1e-3  # rad of yaw while the body moves by the size of its stance
+ROUNDING_ANGLE = 1e-6  # [rad] by which angles may lie beyond the reach
 
 SWING = np.array([[0.1, -0.2], [0.5, 0.3], [-0.7, 0.0]])
 RATES = np.array([[1.0, 0.5], [-2.0, 0.0], [0.0, 0.3]])

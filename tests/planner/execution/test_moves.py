@@ -7,17 +7,15 @@ import numpy as np
 import pytest
 
 from planner.errors import StratumError
-from planner.execution.centring import SHORTEST_RECOVERY
-from planner.execution.stepping import (
-    LIFT_COST,
-    MOST_PARTS,
-    STROKE_ROUNDING,
-    _Legs,
-    reposition_legs,
-)
+from planner.execution.stepping import _Legs, reposition_legs
 from planner.systems.flows import Flow
 from planner.systems.shape import ShapeCoordinates
 from planner.systems.strata import StratifiedSystem
+
+SHORTEST_RECOVERY = 1e-12  # a recovery shorter than this is a rounding error
+LIFT_COST = 1.0  # of lifting a leg, in the unit of distances between places
+MOST_PARTS = 32  # of a stroke; a robot that can reposition its legs needs fewer
+STROKE_ROUNDING = 1e-9  # of a stroke that just fits its range
 
 
 def cheapest(places, steady, now, goal):

@@ -5,7 +5,9 @@ import pytest
 from scipy.sparse import lil_array
 from scipy.sparse.csgraph import dijkstra
 
-from planner.execution.stepping import LIFT_COST, reposition_legs
+from planner.execution.stepping import reposition_legs
+
+LIFT_COST = 1.0  # of lifting a leg, in the unit of distances between places
 
 PLACES = [np.array([-0.5, 0.1, 0.5]), np.array([0.0, 0.4]), np.array([-0.3, 0.0, 0.2])]
 SIZES = [len(place) for place in PLACES]

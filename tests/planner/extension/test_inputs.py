@@ -5,15 +5,12 @@ import pytest
 
 from planner.errors import PlannerError, RankError
 from planner.extension.choice import choose_elements
-from planner.extension.extended import (
-    CONDITION,
-    UNREACHED,
-    _decomposed,
-    _inverse,
-    extend,
-)
+from planner.extension.extended import _decomposed, _inverse, extend
 from planner.systems.fields import sample_configurations
 from planner.systems.strata import StratifiedSystem
+
+CONDITION = 1e9  # number of B(x) beyond which the elements count as dependent
+UNREACHED = 1e-6  # relative part of a velocity that the elements may miss
 
 
 def plane(metric=None, **fields):

@@ -4,15 +4,12 @@ import numpy as np
 import pytest
 
 from planner.extension.bracket_fields import hall_fields
-from planner.extension.rectangles import (
-    EQUAL,
-    LONGEST_SHAPE,
-    rectangles,
-    sign_choices,
-    weights,
-)
-from planner.numerics.arrays import ROUNDING
+from planner.extension.rectangles import rectangles, sign_choices, weights
 from planner.systems.strata import StratifiedSystem
+
+EQUAL = 1e-6  # relative difference below which units count as equal
+LONGEST_SHAPE = 10.0  # times as long as wide that a rectangle may be
+ROUNDING = 1e-12
 
 METRIC = {"x": 2.0, "y": 2.0}
 

@@ -8,8 +8,7 @@ import pytest
 
 from planner.errors import BudgetError
 from planner.optimisation import windows
-from planner.optimisation.constraints import CHECKED_SHARE
-from planner.optimisation.windows import KEPT_WIDTH, MOST_STAGES, WindowSearch
+from planner.optimisation.windows import WindowSearch
 from tests.planner.optimisation.stubs import (
     LAST,
     LATER,
@@ -18,6 +17,10 @@ from tests.planner.optimisation.stubs import (
     Solved,
     searching,
 )
+
+CHECKED_SHARE = 0.999  # of the tolerances, allowed where they are checked
+KEPT_WIDTH = 1.0 + 1e-6  # of the corridor, in tolerances, that counts as keeping them
+MOST_STAGES = 96  # of a window
 
 
 def test_hops_go_on_from_plans_that_are_nearly_as_good():

@@ -6,20 +6,18 @@ import numpy as np
 import pytest
 
 from planner.optimisation import program as programs
-from planner.optimisation.constraints import (
-    CHECKED_SHARE,
-    STAGE_STEPS,
-    TINY,
-    Margins,
-    curve_function,
-    stage_function,
-)
-from planner.optimisation.program import OVERLAPPED_COST, Program
+from planner.optimisation.constraints import Margins, curve_function, stage_function
+from planner.optimisation.program import Program
 from planner.optimisation.task import Inequality, Solution
 from planner.planning.paths import as_path, line
 from planner.planning.rollouts import play
 from planner.systems.flows import Flow
 from tests.planner.optimisation.step import POSITION, SPAN, STEP, YAW, optimised
+
+CHECKED_SHARE = 0.999  # of the tolerances, allowed where they are checked
+STAGE_STEPS = 3  # of Runge and Kutta's method; the path is compared after each
+TINY = 1e-12  # added to denominators that may be zero
+OVERLAPPED_COST = 1e-2  # weight of overlapped flows, so that none is made in vain
 
 ca = pytest.importorskip("casadi")
 

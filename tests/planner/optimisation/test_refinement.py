@@ -9,16 +9,14 @@ import pytest
 from planner.optimisation.constraints import Margins
 from planner.optimisation.corridor import Tolerance
 from planner.optimisation.program import Program
-from planner.optimisation.refinement import (
-    FINE_STEPS,
-    GUARD,
-    Refinement,
-    Violations,
-)
+from planner.optimisation.refinement import Refinement, Violations
 from planner.optimisation.task import Inequality
 from planner.planning.rollouts import play
 from planner.systems.flows import Flow
 from tests.planner.optimisation.step import POSITION, STEP, YAW, optimised
+
+FINE_STEPS = 12  # of a stage
+GUARD = 1e-3  # further share of a tolerance, since larger margins move the plan
 
 STROKES = np.array([0.3, -0.2, 0.4])
 LOW = Inequality("room", lambda stage, state: [state[3] + 0.05, 1.0 - state[0]])

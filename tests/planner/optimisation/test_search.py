@@ -6,13 +6,15 @@ import numpy as np
 import pytest
 
 from planner.errors import BoundError, BudgetError
-from planner.optimisation.constraints import CHECKED_SHARE, Margins
+from planner.optimisation.constraints import Margins
 from planner.optimisation.corridor import Tolerance
 from planner.optimisation.search import Search, _first_count
 from planner.optimisation.task import Inequality, Solution
-from planner.optimisation.windows import KEPT_WIDTH
 from planner.planning.paths import line
 from tests.planner.optimisation.stubs import LATER, WHOLE, Solved
+
+CHECKED_SHARE = 0.999  # of the tolerances, allowed where they are checked
+KEPT_WIDTH = 1.0 + 1e-6  # of the corridor, in tolerances, that counts as keeping them
 
 SIZES = np.array([0.5, 2.0])  # of a stroke's change
 

@@ -7,9 +7,11 @@ import pytest
 
 from planner.optimisation.constraints import path_distance
 from planner.optimisation.corridor import Tolerance
-from planner.optimisation.program import GUESSED_WIDTH, Unknowns
+from planner.optimisation.program import Unknowns
 from planner.optimisation.task import Inequality, Solution
 from tests.planner.optimisation.step import SPAN, STEP, optimised
+
+GUESSED_WIDTH = 4.0  # largest width of the corridor, in tolerances, of a guess
 
 COUNT = 4
 START = np.zeros(7)

@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from planner.optimisation import windows
-from planner.optimisation.windows import KEPT_WIDTH, MOST_STAGES
 from tests.planner.optimisation.stubs import LATER, WHOLE, Found, searching
+
+KEPT_WIDTH = 1.0 + 1e-6  # of the corridor, in tolerances, that counts as keeping them
+MOST_STAGES = 96  # of a window
 
 
 def widths_by(search, width):

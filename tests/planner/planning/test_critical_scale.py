@@ -9,11 +9,6 @@ import pytest
 from planner.errors import BudgetError, PlannerError
 from planner.planning import critical_steps
 from planner.planning.critical_steps import (
-    ACCURACY,
-    AT_ONCE,
-    COARSE,
-    LONGEST,
-    SHORTEST,
     _scale,
     _Steps,
     _until_failure,
@@ -21,6 +16,12 @@ from planner.planning.critical_steps import (
     least_critical_step,
 )
 from planner.systems.strata import StratifiedSystem
+
+ACCURACY = 1e-6  # relative, of the critical step
+AT_ONCE = 128  # steps that are planned at once
+COARSE = 2.0
+LONGEST = 1e3
+SHORTEST = 1e-9
 
 RAY = np.array([0.6, 0.8])
 

@@ -11,15 +11,13 @@ from planner.execution.execution import Execution
 from planner.extension.extended import extend
 from planner.numerics import collocation
 from planner.planning import critical_steps
-from planner.planning.critical_steps import (
-    ACCURACY,
-    critical_step,
-    least_critical_step,
-)
+from planner.planning.critical_steps import critical_step, least_critical_step
 from planner.planning.shooting import shot_towards, steer
 from planner.systems import flows
 from planner.systems.strata import StratifiedSystem
 from tests.systems import PAPER, chained, hexapod
+
+ACCURACY = 1e-6  # relative, of the critical step
 
 BACKWARD = Execution(coordinates="backward")
 

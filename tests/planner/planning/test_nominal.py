@@ -11,8 +11,6 @@ from planner.extension.extended import extend
 from planner.numerics.collocation import collocation
 from planner.planning import nominal
 from planner.planning.nominal import (
-    MOST_SEGMENTS,
-    OFF_BOTTOM,
     default_nodes,
     fictitious_inputs_along,
     require_segments,
@@ -22,6 +20,9 @@ from planner.planning.nominal import (
 from planner.planning.paths import Path, line, waypoints
 from planner.systems.flows import Flow
 from planner.systems.strata import StratifiedSystem
+
+MOST_SEGMENTS = 100_000  # of one plan; so many take a minute and a gigabyte
+OFF_BOTTOM = 1e-6  # by which a path may miss the level sets, in their unit
 
 PLAIN = StratifiedSystem("x y", {"0": {"f": [1, 0], "g": [0, 1]}}, "0")
 BENT = waypoints([[0, 0], [1, 0], [1, 3]])

@@ -8,12 +8,14 @@ import pytest
 from planner.errors import BoundError, PlannerError, RangeError
 from planner.execution.execution import Execution
 from planner.planning import algorithm
-from planner.planning.algorithm import MOST_TRIED, Plan, with_remedy
+from planner.planning.algorithm import Plan, with_remedy
 from planner.planning.paths import line
 from planner.planning.subdivision import Slack, needed, refined, subdivide
 from planner.support import stopping
 from planner.systems.flows import Flow
 from planner.systems.strata import StratifiedSystem
+
+MOST_TRIED = 10_000  # segments, where a plan needs more of them to keep its limits
 
 PLAIN = StratifiedSystem("x y", {"0": {"f": [1, 0], "g": [0, 1]}}, "0")
 ORDER = Execution(coordinates="backward")

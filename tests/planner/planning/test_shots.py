@@ -9,16 +9,11 @@ from planner.errors import ConvergenceError, PlannerError, RangeError
 from planner.execution.execution import Execution
 from planner.planning import shooting
 from planner.planning.paths import line
-from planner.planning.shooting import (
-    FINEST,
-    MOST_AIMS,
-    STALLED,
-    Shot,
-    _aimed,
-    plan_step,
-    steer,
-)
+from planner.planning.shooting import FINEST, Shot, _aimed, plan_step, steer
 from planner.systems.strata import StratifiedSystem
+
+MOST_AIMS = 40  # a dozen suffice where aiming converges
+STALLED = 10  # shots that must at least halve the distance together
 
 PLAIN = StratifiedSystem(
     "x y", {"0": {"f": [1, 0], "g": [0, 1]}}, "0", metric={"x": 2.0}

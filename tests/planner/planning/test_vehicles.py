@@ -10,11 +10,14 @@ from models.systems.catalogue import shipped_system
 from planner.errors import PlannerError
 from planner.planning import chained_forms, plane as planes
 from planner.planning.chained_forms import chained_form
-from planner.planning.plane import ALIGNED, STEERED, Plane
+from planner.planning.plane import Plane
 from planner.planning.rollouts import play
 from planner.systems.fields import compile_fields
 from planner.systems.flows import Flow
 from planner.systems.strata import StratifiedSystem
+
+ALIGNED = 0.8  # [rad] between two headings of a vehicle that a chart holds well
+STEERED = (0.0, 1.1, -1.1)  # values of the steered coordinate on the way to that
 
 X = np.array([0.4, -0.3, 0.5, 0.2, 0.1])  # x, y, headings of car and trailer, steering
 

@@ -8,13 +8,18 @@ import sympy as sp
 
 from planner.errors import BudgetError
 from planner.extension.choice import choose_elements
-from planner.extension.steering import MOST_SIGNED, Steering
-from planner.optimisation.stages import ZERO_FLOW, Stage
+from planner.extension.steering import Steering
+from planner.optimisation.stages import Stage
 from planner.support import stopping
 from planner.systems import closure
 from planner.systems.declaration import _is_real
-from planner.systems.formulas import HUGE, QUOTED, _short
+from planner.systems.formulas import _short
 from planner.systems.strata import StratifiedSystem
+
+MOST_SIGNED = 4  # generators whose signs are tried, all combinations of them
+ZERO_FLOW = 1e-5  # duration; an interior-point method leaves this much of no flow
+HUGE = 1e100  # magnitude of a number; a product of three still fits a float
+QUOTED = 60  # characters of a formula in a message
 
 
 def test_a_formula_is_shortened_once_it_is_longer_than_a_line():

@@ -7,12 +7,15 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from planner.controllability.gaits import OFF_STRATUM, gait_controllability
+from planner.controllability.gaits import gait_controllability
 from planner.errors import RangeError, StratumError
 from planner.systems.flows import Flow, Gait, gait_steps, merged, places_in
 from planner.systems.formulas import read_formula
-from planner.systems.shape import OVERSTEP, ShapeCoordinates
+from planner.systems.shape import ShapeCoordinates
 from planner.systems.strata import StratifiedSystem
+
+OFF_STRATUM = 1e-9  # by which a configuration may miss the level sets
+OVERSTEP = 1e-9  # excess over a range that is taken for rounding
 
 STATE = sp.symbols("x y z")
 WALKER = StratifiedSystem(

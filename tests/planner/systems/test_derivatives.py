@@ -5,11 +5,10 @@ import pytest
 import sympy as sp
 
 from planner.errors import FieldError
-from planner.numerics.subspaces import SPANNED, in_words, nearly_dependent, rank
+from planner.numerics.subspaces import in_words, nearly_dependent, rank
 from planner.systems import closure
 from planner.systems.closure import exact_rank, involutive_closure
 from planner.systems.fields import (
-    DIFFERENCE,
     NumericField,
     as_numeric,
     central_difference,
@@ -17,7 +16,10 @@ from planner.systems.fields import (
     sample_configurations,
 )
 from planner.systems.level_sets import LevelSet
-from planner.systems.rounding import TRUSTED
+
+SPANNED = 1e-8  # relative singular values above it count towards the rank
+DIFFERENCE = 0.02  # of central differences; the extrapolation's error is of sixth order
+TRUSTED = 1e-9  # takes the place of ROUNDING for functions, whose terms are unknown
 
 X, Y, Z = sp.symbols("x y z")
 STATE = (X, Y, Z)

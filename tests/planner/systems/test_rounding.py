@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from planner.numerics.arrays import ROUNDING
 from planner.systems.fields import NumericField, lie_bracket
 from planner.systems.rounding import WeighedValues, vanishing
+
+ROUNDING = 1e-12
 
 STATE = sp.symbols("x y")
 X, Y = STATE

@@ -10,11 +10,16 @@ import numpy as np
 import pytest
 
 from sim.bench import speed, sweep_speed
-from sim.bench.sweep_speed import FRICTIONS, LEDGER, TASKS, TINY, VARIED, WITHOUT
-from sim.physics.engine import STRETCH
+from sim.bench.sweep_speed import TINY, WITHOUT
 from sim.preparation.setup import prepare
 from sim.scenarios.file import load_scenario
 from sim.sweeps.table import read_table
+
+FRICTIONS = (0.5, 0.8)
+LEDGER = 10_000  # points
+TASKS = 24  # for every number of workers
+VARIED = 40  # points, more than are shared of a kind
+STRETCH = 4000  # steps of one record at most: a tenth of a second of work as a rule
 
 
 @pytest.fixture

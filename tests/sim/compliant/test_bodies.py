@@ -5,17 +5,21 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from sim.compliant.anatomy import CORNERS, _outermost, robots_of
-from sim.compliant.increment import ON_EDGE, _grip, _side
+from sim.compliant.anatomy import _outermost, robots_of
+from sim.compliant.increment import _grip, _side
 from sim.compliant.march import Track
 from sim.compliant.phases import (
     LOADED,
     Phases,
 )
-from sim.compliant.places import SMALL, cross, rotation, skew
+from sim.compliant.places import cross, rotation, skew
 from sim.compliant.prediction import phases_of
 from sim.preparation.setup import prepare
 from sim.scenarios.file import load_scenario
+
+CORNERS = 4  # of a sole, at most
+ON_EDGE = 1e-10  # [rad]; joints as close to an end of backlash are on either side
+SMALL = 1e-4  # [rad], below which a rotation is a polynomial
 
 
 @pytest.fixture(scope="module")

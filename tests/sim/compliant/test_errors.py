@@ -5,15 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sim.compliant.equilibrium import (
-    ARM,
-    FORCE,
-    WAY,
-    Contact,
-    equilibrium,
-    motion,
-)
+from sim.compliant.equilibrium import Contact, equilibrium, motion
 from tests.equilibria import drawn_contact, law_of
+
+ARM = 0.1
+FORCE = 1e-6
+WAY = 1e-9
 
 
 @pytest.fixture

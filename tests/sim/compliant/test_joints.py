@@ -6,7 +6,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from sim.compliant.increment import LOADED, STOP_STIFFNESS, _loosened, _slip, _spring
+from sim.compliant.increment import _loosened, _slip, _spring
+
+LOADED = 0.01  # of the weight, from which on a foot stands
+STOP_STIFFNESS = 5e3  # [N m/rad]; stiffness at the ends of backlash
 
 H = np.array([0.05])  # of the increment [s]
 

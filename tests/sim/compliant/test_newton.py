@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from sim.compliant.equilibrium import (
-    CREEP,
     EASE,
     _compliance,
     _derivatives,
@@ -16,6 +15,8 @@ from sim.compliant.equilibrium import (
     torque_of,
 )
 from tests.equilibria import SCALE, B, F, J, K, drawn_contact, law_of
+
+CREEP = 1e-7  # of a leg's own compliance, where a foot cannot give way along the floor
 
 
 @pytest.fixture

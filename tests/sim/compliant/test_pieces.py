@@ -7,7 +7,6 @@ import pytest
 
 from sim.compliant.march import Commands, Track, _eventful, _row, _track, changes
 from sim.compliant.phases import (
-    LOOKED_AT,
     Course,
     Motion,
     _composed,
@@ -17,6 +16,8 @@ from sim.compliant.phases import (
     _window,
 )
 from sim.motion.poses import compose
+
+LOOKED_AT = 4  # moments of a phase at which commands are compared
 
 DT = 0.01
 

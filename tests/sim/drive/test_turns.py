@@ -6,7 +6,11 @@ import numpy as np
 import pytest
 
 from sim.drive.feed_forward import FeedForward
-from sim.drive.practice import PART, TURNS, WELL_MET, Practice
+from sim.drive.practice import Practice
+
+PART = 0.7  # of what was missed, that is added after a turn
+TURNS = 8  # of practice, at most: they need not converge, and the best is taken
+WELL_MET = 0.002  # of the reach, that a turn may miss the end by for practice to end
 
 REACH, GOAL = 0.2, np.array([1.0, 2.0, 0.5])
 

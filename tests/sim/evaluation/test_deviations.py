@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from planner.planning.paths import line
-from sim.evaluation.deviations import COMPARED, contributions, deviation_from
+from sim.evaluation.deviations import contributions, deviation_from
 from sim.motion.poses import compose
+
+COMPARED = 1500  # poses that are compared with the path, evenly taken from all
 
 
 def walked(steps):

@@ -5,16 +5,12 @@ from math import pi
 import numpy as np
 import pytest
 
-from sim.evaluation.deviations import (
-    SWAY,
-    Scale,
-    departure,
-    off,
-    per_metre,
-    predicted_way,
-)
-from sim.evaluation.summary import DEGREE, NEAR
+from sim.evaluation.deviations import Scale, departure, off, per_metre, predicted_way
 from sim.scenarios.body_path import line
+
+SWAY = 0.25  # of the feet's distance from the middle
+DEGREE = pi / 180  # of yaw, as good as there
+NEAR = 0.02  # of the path: with yaw within a degree, as good as there
 
 REACH = 0.1  # mean distance of the feet [m]
 RIGHT = np.linspace(0.0, 1.0, 401)

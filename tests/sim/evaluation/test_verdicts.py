@@ -10,11 +10,13 @@ from sim.evaluation.deviations import Scale
 from sim.evaluation.phases import (
     standing_slip,
 )
-from sim.evaluation.summary import DEGREE, Departure, Weighed
+from sim.evaluation.summary import Departure, Weighed
 from sim.evaluation.verdict import _by_the_nearest, _share, judge
 from sim.scenarios.file import load_scenario
 from tests.sim.evaluation.test_causes import with_recording
 from tests.walks import simulated
+
+DEGREE = np.deg2rad(1)  # of yaw, from which on it is put into words
 
 
 @pytest.fixture(scope="module")

@@ -10,11 +10,7 @@ from models import MeasurementError
 from models.contact import UPRIGHT
 from sim.experiments import identification
 from sim.experiments.identification import (
-    ACCELERATION,
-    HOLD,
-    LONGEST_STAND,
     SPAN,
-    SPEED,
     _approach,
     _check,
     _fit,
@@ -26,6 +22,11 @@ from sim.experiments.identification import (
 )
 from sim.preparation.setup import prepare
 from sim.scenarios.file import load_scenario
+
+ACCELERATION = 5.0  # [rad/s^2], at least
+HOLD = 0.5  # [s], at most; a robot has settled by then
+LONGEST_STAND = 10.0  # [s], that creep is measured for
+SPEED = 0.5  # [rad/s], at least
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,9 @@ from models import MeasurementError
 from models.motion.twists import MeasuredField
 from planner import Flow
 from sim.experiments import identification
-from sim.experiments.identification import WAY_PARTS, confirmed, whole_range
+from sim.experiments.identification import confirmed, whole_range
+
+WAY_PARTS = 200  # parts of the way in which predictions are summed
 
 FIELD = MeasuredField("1", (1.0, -0.5), 0.1, (Polynomial([0.1]),) * 3, 0.0)
 ROBOT = SimpleNamespace(groups="12", swing_range={"1": (-0.3, 0.5), "2": (-0.6, 0.2)})

@@ -12,8 +12,6 @@ from models.description.servos import JointServo
 from sim.export import calibration
 from sim.export.calibration import (
     MARK,
-    SECONDS,
-    SWING,
     card_with,
     joint_servo,
     marks,
@@ -21,6 +19,8 @@ from sim.export.calibration import (
     strokes,
 )
 from sim.export.header import identifier, in_comment, pack, unpack
+
+SWING, SECONDS = radians(15), 2.0  # of the strokes that check
 
 MG90, BUS = SERVO_KINDS["mg90"], SERVO_KINDS["ax-12"]
 

@@ -13,7 +13,8 @@ from models.description.servos import JointServo
 from sim.errors import UsageError
 from sim.export.servo_commands import ServoCommands, taken
 from sim.export.servo_table import Channel, ServoTable, read_ros_table, servo_table
-from sim.physics.engine import STRETCH
+
+STRETCH = 4000  # steps of one record at most: a tenth of a second of work as a rule
 
 MG90, BUS = SERVO_KINDS["mg90"], SERVO_KINDS["ax-12"]
 

@@ -7,8 +7,10 @@ import pytest
 
 from sim.errors import UsageError
 from sim.feedback.filter import Feedback
-from sim.feedback.sensing import KINDS, WILD, Sensing, Sensor, sensing_of
+from sim.feedback.sensing import KINDS, Sensing, Sensor, sensing_of
 from sim.scenarios.file import load_scenario
+
+WILD = (0.1, 0.1, 0.5)  # how far a wild reading is off at most [m], [m], [rad]
 
 POSE = np.tile([1.0, 2.0, 3.0], (4000, 1))
 

@@ -5,7 +5,6 @@ import pytest
 from numpy.linalg import inv, lstsq
 
 from sim.fitting.estimate import (
-    UNSEEN,
     Estimates,
     Parameter,
     _alike,
@@ -17,6 +16,8 @@ from sim.fitting.estimate import (
     solved,
     together,
 )
+
+UNSEEN = 0.5  # of the spread of a direction that measurements leave
 
 ROWS, PROBLEMS, SPREADS = 60, 3, np.array([2.0, 0.5, 1.0])
 START = np.array([[0.3, -0.2, 1.0], [0.0, 0.1, 0.5], [-1.0, 0.4, 0.2]])

@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from sim.fitting import fitting
-from sim.fitting.fitting import NARROWEST, write_card
+from sim.fitting.fitting import write_card
 from sim.preparation.setup import prepare
 from sim.scenarios.file import load_scenario
 from sim.world.dead_bands import band_in
+
+NARROWEST = 1e-5  # [rad]; a band that all joints have, so that all are built alike
 
 
 def test_a_fitted_world_has_the_stiffness_damping_slack_and_bands_that_were_found():

@@ -11,19 +11,15 @@ from scipy.integrate import solve_ivp
 from models import load
 from sim.fitting import servo_law
 from sim.fitting.fitting import servos
-from sim.fitting.servo_law import (
-    GOING,
-    LAW_STEP,
-    SETTLING,
-    Commanded,
-    known_servos,
-    on_floor,
-    on_stand,
-)
+from sim.fitting.servo_law import Commanded, known_servos, on_floor, on_stand
 from sim.logs.log import Log
 from sim.preparation.setup import prepare
 from sim.scenarios.file import load_scenario
-from sim.world.imperfections import RUBBED
+
+GOING = 1.0  # [s] in which the robot goes from its start to the log's first row
+LAW_STEP = 0.004  # [s] of the law, which is solved exactly in between
+SETTLING = 0.5  # [s] that it then stands
+RUBBED = 1e-3  # [N m s/rad]; damping of it
 
 STEP, ROWS = 0.002, 400
 

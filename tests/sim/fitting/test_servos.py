@@ -11,7 +11,6 @@ from sim.cli import main
 from sim.errors import SimulationError, UsageError
 from sim.fitting.estimate import Estimates, Parameter, estimate, pooled
 from sim.fitting.fitting import (
-    MAKE,
     SERVO,
     JointFit,
     fit_joints,
@@ -25,6 +24,8 @@ from sim.logs.log import Log, written
 from sim.preparation.setup import prepare
 from sim.scenarios.file import load_scenario
 from sim.scenarios.scenario import FITTED, drawn
+
+MAKE = (0, 1, 3, 5)  # parameters of a make; dead band and zero are a servo's own
 
 STEP, LASTING, EVERY = 0.004, 6.0, 5  # [s], [s], steps from row to row
 NOISE = np.radians(0.05)

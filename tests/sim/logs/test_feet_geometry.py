@@ -7,16 +7,11 @@ import pytest
 
 from models import Ground, load
 from models.contact import UPRIGHT
-from sim.logs.feet import (
-    LEAST_LIFT,
-    LIFTED,
-    Posture,
-    _seen_from_plane,
-    _shares,
-    moved,
-    posture,
-)
+from sim.logs.feet import Posture, _seen_from_plane, _shares, moved, posture
 from sim.motion.poses import compose
+
+LEAST_LIFT = 5e-4  # [m]
+LIFTED = 0.02  # of the highest lift, from which on a foot is in the air
 
 AROUND = np.arange(6) * np.pi / 3
 HEXAGON = 0.1 * np.stack([np.cos(AROUND), np.sin(AROUND)], axis=1)

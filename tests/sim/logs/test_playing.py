@@ -14,7 +14,7 @@ from sim.evaluation.quantities import describe
 from sim.logs import feet
 from sim.logs.feet import posture
 from sim.logs.log import Log, of_function, read_log, written
-from sim.logs.playing import SHORTEST_CONTACT, Motion, posed, scenario_of, within_reach
+from sim.logs.playing import Motion, posed, scenario_of, within_reach
 from sim.motion.schedule import MotionLimits
 from sim.palette import PREDICTED
 from sim.pictures.legend import entries
@@ -26,6 +26,8 @@ from sim.runs.run import read_run
 from sim.scenarios.file import load_scenario
 from sim.simulation import play, simulate
 from sim.viewing.marks import Marks
+
+SHORTEST_CONTACT = 0.02  # [s] of a contact, or of its interruption, that is planned
 
 PERIOD = 1.6  # [s]
 SWING = 0.12  # [rad]

@@ -6,24 +6,15 @@ import numpy as np
 import pytest
 
 from planner import Flow
-from sim.motion.prediction import (
-    INSPECTED_SWING,
-    LIFTS,
-    Predictor,
-    _spread,
-    commanded,
-    inspections,
-)
+from sim.motion.prediction import Predictor, _spread, commanded, inspections
 from sim.motion.schedule import Scheduler
-from sim.motion.stability import (
-    BLOCK,
-    LeastMargin,
-    carrying,
-    margin_at_rest,
-    stability_margin,
-)
+from sim.motion.stability import LeastMargin, carrying, margin_at_rest, stability_margin
 from sim.preparation.setup import prepare
 from sim.scenarios.file import load_scenario
+
+INSPECTED_SWING = 0.02  # [rad] that the legs swing at most between inspections
+LIFTS = 4  # inspections of a lift-off or touchdown
+BLOCK = 20_000  # rows that are geometries at once, each of some hundred bytes
 
 
 @pytest.mark.parametrize(

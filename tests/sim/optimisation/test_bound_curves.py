@@ -10,8 +10,6 @@ from planner import Flow
 from sim.optimisation import lower_bound
 from sim.optimisation.judging import Judge, task_of
 from sim.optimisation.lower_bound import (
-    ANGLES,
-    ROUNDED_STEPS,
     Curve,
     _curve,
     least_time,
@@ -20,6 +18,9 @@ from sim.optimisation.lower_bound import (
 )
 from sim.preparation.setup import prepare
 from sim.scenarios.file import load_scenario
+
+ANGLES = 61  # of a group, between the ends of its range
+ROUNDED_STEPS = 3  # of physics, to which a visit is rounded up at most
 
 
 @pytest.fixture(scope="module")

@@ -10,9 +10,6 @@ import sympy as sp
 
 from sim.optimisation import lower_bound
 from sim.optimisation.lower_bound import (
-    ANGLES,
-    EVERY,
-    HEADINGS,
     Curve,
     _certificate,
     _headings,
@@ -22,6 +19,10 @@ from sim.optimisation.lower_bound import (
 )
 from sim.preparation.setup import prepare
 from sim.scenarios.file import load_scenario
+
+ANGLES = 61  # of a group, between the ends of its range
+EVERY = 4  # of these, in the linear program
+HEADINGS = 0.005  # [rad] between two values of alpha on the grid at least
 
 SPAN, LIFTS = 0.5, 0.6  # [rad], [s]
 

@@ -8,16 +8,12 @@ import pytest
 from planner import Flow
 from sim.optimisation import lower_bound
 from sim.optimisation.judging import Judge
-from sim.optimisation.lower_bound import (
-    ANGLES,
-    Curve,
-    least_time,
-    shortest_way,
-    top_speed,
-)
+from sim.optimisation.lower_bound import Curve, least_time, shortest_way, top_speed
 from sim.planning.open_loop import plan_open_loop
 from sim.preparation.setup import prepare
 from sim.scenarios.file import load_scenario
+
+ANGLES = 61  # of a group, between the ends of its range
 
 
 def test_a_straight_way_may_not_be_cut():

@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from sim.errors import SimulationError
-from sim.physics.engine import STRETCH, Engine
+from sim.physics.engine import Engine
 from sim.world.model import build, load
+
+STRETCH = 4000  # steps of one record at most: a tenth of a second of work as a rule
 
 
 @pytest.fixture(scope="module")

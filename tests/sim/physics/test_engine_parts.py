@@ -8,7 +8,7 @@ import pytest
 from mujoco import batch
 
 from sim.errors import SimulationError
-from sim.physics.engine import LAST_STATES, STRETCH, Engine, Record
+from sim.physics.engine import STRETCH, Engine, Record
 from sim.physics.measure import (
     ContactLog,
     bridge,
@@ -16,10 +16,13 @@ from sim.physics.measure import (
     decided,
     last_touched,
 )
-from sim.physics.recording import NEAR_END, Marks, Moments, Recorder, Recording
+from sim.physics.recording import Marks, Moments, Recorder, Recording
 from sim.scenarios.body_path import line
 from sim.scenarios.scenario import Scenario
 from sim.world.model import build, load
+
+LAST_STATES = 100  # states before a divergence
+NEAR_END = 1e-6  # of a range of forces, within which its end counts as reached
 
 
 @pytest.fixture(scope="module")

@@ -10,8 +10,12 @@ from planner import PlannerError
 from sim.feedback.filter import NONE_MISSED
 from sim.preparation.setup import prepare
 from sim.preparation.shared import Shared, no_cache
-from sim.problems.scenario import LEAST_POSITION, LEAST_YAW, ROUNDED, ScenarioProblem
+from sim.problems.scenario import ScenarioProblem
 from sim.scenarios.file import load_scenario
+
+LEAST_POSITION = 1e-3
+LEAST_YAW = 1e-2
+ROUNDED = 1.0 + 1e-9  # times a tolerance, within which it is kept
 
 
 @pytest.fixture(scope="module")

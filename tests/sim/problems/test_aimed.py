@@ -13,8 +13,11 @@ from planner.errors import ConvergenceError, RangeError
 from sim.preparation.setup import prepare
 from sim.problems import scenario as library
 from sim.problems.problem import Problem
-from sim.problems.scenario import AIMS, HIT, ScenarioProblem
+from sim.problems.scenario import ScenarioProblem
 from sim.scenarios.file import load_scenario
+
+AIMS = 4  # plans that are aimed; each misses a tenth of what the one before does
+HIT = 1e-5  # [m] and [rad] that a plan may be foreseen to miss
 
 GOAL = np.array([0.03, 0.03, 3.1])
 WRONG = np.array([1e-3, -2e-3, 0.1])  # by which a plan misses that is not aimed beside

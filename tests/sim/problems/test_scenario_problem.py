@@ -16,8 +16,11 @@ from sim.optimisation.judging import Judge, margins
 from sim.planning.open_loop import plan_open_loop
 from sim.planning.soundness import require_sound
 from sim.preparation.setup import prepare
-from sim.problems.scenario import LEAST_POSITION, LEAST_YAW, ScenarioProblem
+from sim.problems.scenario import ScenarioProblem
 from sim.scenarios.file import load_scenario
+
+LEAST_POSITION = 1e-3
+LEAST_YAW = 1e-2
 
 SHORT = {
     "path.goal": [0.03, 0.03, 0.0],

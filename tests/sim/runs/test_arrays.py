@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 from sim.errors import UsageError
-from sim.runs.arrays import MOST_ARRAYS, UNREADABLE, Arrays, archive, plain_json
+from sim.runs.arrays import UNREADABLE, Arrays, archive, plain_json
+
+MOST_ARRAYS = 100
 
 FEET, MOMENTS = 2, 3
 GOOD = {

@@ -11,9 +11,6 @@ from sim.palette import OUTCOMES
 from sim.scenarios.file import scenario_table
 from sim.studies import sensitivities as library
 from sim.studies.maps import (
-    CELL,
-    EXTREMES,
-    MOST_LABELS,
     _draw_curve,
     _is_table,
     _label,
@@ -30,6 +27,10 @@ from sim.studies.results import (
 )
 from sim.studies.sensitivities import SHARE, changes_of
 from tests.studies import results
+
+CELL = 0.92  # of the way from one place to the next
+EXTREMES = 5  # points among the best, and among the worst
+MOST_LABELS = 200  # at an axis
 
 
 def test_the_page_has_the_five_worst_and_the_five_best(tmp_path):

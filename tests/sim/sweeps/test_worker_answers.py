@@ -9,7 +9,9 @@ from distributed import KilledWorker
 from distributed.scheduler import NoWorkerError
 
 from sim.errors import UsageError
-from sim.sweeps.worker_pool import TRIES, Task, WorkerPool
+from sim.sweeps.worker_pool import Task, WorkerPool
+
+TRIES = 2  # of a point whose worker dies
 
 KILLED = KilledWorker("a", None, 3), NoWorkerError("a", 1.0)
 WRONG = UsageError("no such name", "the sweep", "give another")

@@ -14,11 +14,16 @@ from sim.preparation.setup import prepare
 from sim.scenarios.body_path import line
 from sim.scenarios.file import load_scenario
 from sim.scenarios.scenario import Scenario
-from sim.world.floor import CELL, FLOOR_MARGIN, LEVEL, ensure_floor, scene
+from sim.world.floor import ensure_floor, scene
 from sim.world.imperfections import turned
 from sim.world.motors import common_servo, inertia_share, undamped_joints
-from sim.world.sensors import EVERYTHING, SUNK, Touches
+from sim.world.sensors import EVERYTHING, Touches
 from sim.world.servos import ServoSettings, _gear_down, servo_settings
+
+CELL = 0.01  # [m] between heights, or more where the floor is large
+FLOOR_MARGIN = 0.5  # [m] of floor around the path
+LEVEL = 1e-3  # [rad]; a plane tilted less is horizontal, as single precision writes it
+SUNK = 0.01  # [m] below the floor, so that no gap is visible
 
 
 def setup(**changes):
