@@ -76,6 +76,8 @@ def test_a_search_may_take_all_of_its_time_and_no_more(monkeypatch):
         for clock[0], reports in ((11.9, []), (12.0, [0.5]), (14.0, [0.5, 1.0])):
             stopping.tick()
             assert told == reports
+            if reports:  # ten reports a second at most
+                assert budget.next_report == pytest.approx(clock[0] - 10.0 + 0.1)
         clock[0] = 14.1
         with pytest.raises(BudgetError):
             stopping.tick()
