@@ -209,6 +209,19 @@ def test_a_crawl_is_the_worthiest_posture_whose_legs_can_be_set_back(monkeypatch
     assert np.array(last) == pytest.approx(np.array(expected))
 
 
+def test_all_shares_of_strokes_are_tried_that_are_longer_than_0_04_rad(monkeypatch):
+    tried = []
+    monkeypatch.setattr(crawl, "_moves", lambda body, draft, *_: tried.append(draft))
+    monkeypatch.setattr(crawl, "_pushes", lambda body, draft: True)
+    monkeypatch.setattr(crawl._Body, "of", classmethod(lambda cls, *_: BODY))
+    with pytest.raises(ModelError):
+        find_crawl(None, [None] * 4, RANGES, "x")
+    every = [share * p.stroke for p in _postures(BODY, RANGES) for share in SHARES]
+    assert sorted(draft.stroke for draft in tried) == sorted(
+        s for s in every if s > 0.04
+    )
+
+
 @pytest.mark.parametrize("count", [3, 7])
 def test_crawls_are_for_four_to_six_legs(count):
     with pytest.raises(ModelError, match=rf"{count}.*4.*6|4.*6.*{count}"):

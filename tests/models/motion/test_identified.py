@@ -30,7 +30,7 @@ def test_a_field_is_taken_just_as_far_as_it_was_confirmed(side):
     for within in (0.0, 0.5, 1.0, 1.0 + 0.9 * ROUNDING_ANGLE / REACH):
         swing = np.array([[side * within * REACH, 9.0]])  # the other group's is free
         assert TWISTS("1", swing, rates) == pytest.approx(np.array([[0.1, 0.0, 0.5]]))
-    beyond = np.array([[side * (REACH + 2 * ROUNDING_ANGLE), 0.0]])
+    beyond = np.array([[side * (REACH + 1.1 * ROUNDING_ANGLE), 0.0]])
     said = "field a swings to 0.3 rad, but is confirmed to 0.3 rad either way; plan"
     with pytest.raises(MeasurementError, match=said):
         TWISTS("1", beyond, rates)

@@ -59,7 +59,7 @@ def test_identified_twists_add_up_by_what_groups_do():
 
 @pytest.mark.parametrize(
     ("beyond", "rate", "refused"),
-    [(0.5, 1.0, False), (2.0, 1.0, True), (2.0, 0.0, False), (-2.0, -1.0, True)],
+    [(0.9, 1.0, False), (1.1, 1.0, True), (2.0, 0.0, False), (-1.1, -1.0, True)],
 )
 def test_fields_serve_as_far_as_they_were_confirmed(beyond, rate, refused):
     far = 0.6 + abs(beyond) * ROUNDING_ANGLE

@@ -116,8 +116,9 @@ def test_units_are_powers_of_two_near_the_size_of_a_segment_s_flows(h, size):
 
 
 def test_generators_of_one_length_have_equal_units():
-    for drive, equal in ((0.5, True), (0.5 * (1 + 0.5 * EQUAL), True),
-                         (0.5 * (1 + 5 * EQUAL), False)):  # fmt: skip
+    # each differs from their mean by half as much as they from one another
+    for drive, equal in ((0.5, True), (0.5 * (1 + 1.9 * EQUAL), True),
+                         (0.5 * (1 + 2.1 * EQUAL), False)):  # fmt: skip
         (found,) = measured([1.0, 1, 1], drive=drive)[1]
         assert (abs(found[0]) == abs(found[1])) == equal
 

@@ -66,7 +66,7 @@ def test_of_all_windows_but_the_last_a_half_is_kept_and_reported(window, done, s
         (Found(cost=1.0), 1.5, True),
         (Found(cost=1.0), 1.0, False),  # no better even without
         (Found(cost=1.0, width=KEPT_WIDTH), None, True),
-        (Found(cost=1.0, width=1.1), None, False),
+        (Found(cost=1.0, width=1.0 + 1.1e-6), None, False),
         (None, None, False),
     ],
 )
