@@ -34,6 +34,17 @@ def evidence():
     return Evidence(found.walk, found.achieved, found.predicted, found.weighed)
 
 
+@pytest.mark.parametrize(("count", "told"), [(2, False), (3, True)])
+def test_two_bounces_of_a_walk_that_arrived_are_harmless(count, told, monkeypatch):
+    monkeypatch.setattr(causes, "_coarse", lambda evidence: "why")
+    scenario = SimpleNamespace(is_imperfect=False)
+    recording = SimpleNamespace(bounces=count)
+    walk = SimpleNamespace(
+        recording=recording, setup=SimpleNamespace(scenario=scenario)
+    )
+    assert bool(causes._bounced(SimpleNamespace(walk=walk))) == told
+
+
 def verdict(evidence):
     return judge(evidence, evidence.walking)
 

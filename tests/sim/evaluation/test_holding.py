@@ -23,9 +23,11 @@ def walk(distance, steered_on="ideal"):
 
 def test_a_miss_of_single_strokes_that_adds_up_is_told_before_walking():
     twists = IdentifiedTwists({"a": measured("1", 0.015), "b": measured("12", 0.5)})
-    require_holding(walk(0.2), "identified", lambda: twists, {"1"})  # 3 % of the path
+    require_holding(
+        walk(0.33), "identified", lambda: twists, {"1"}
+    )  # 4.95 % of the path
     require_holding(walk(9.0), "identified", lambda: twists, {"2"})  # not measured
     require_holding(walk(9.0), "quasi_static", lambda: twists, {"1"})
     require_holding(walk(9.0, "identified"), "identified", lambda: twists, {"1"})
-    with pytest.raises(MeasurementError, match="could add up to 9 % of the path"):
-        require_holding(walk(0.6), "identified", lambda: twists, {"1"})
+    with pytest.raises(MeasurementError, match="could add up to 5 % of the path"):
+        require_holding(walk(0.34), "identified", lambda: twists, {"1"})

@@ -40,6 +40,13 @@ def test_the_way_of_a_played_motion_is_its_body_s_or_its_feet_s(motion, length):
     assert predicted_way(wrapped, REACH) == pytest.approx(abs(length), abs=1e-9)
 
 
+@pytest.mark.parametrize(("apart", "ways"), [(0.99 * SWAY, 1), (1.01 * SWAY, 3)])
+def test_swaying_is_a_way_from_a_quarter_of_the_feet_s_distance_on(apart, ways):
+    there_and_back = np.zeros((4, 3))
+    there_and_back[[1, 3], 1] = apart * REACH
+    assert predicted_way(there_and_back, REACH) == pytest.approx(ways * apart * REACH)
+
+
 def test_where_a_way_turns_back_no_more_is_cut_than_counts_as_swaying():
     there_and_back = poses(x=np.abs(2 * RIGHT - 1))
     assert 2.0 - 2 * SWAY * REACH < predicted_way(there_and_back, REACH) <= 2.0
