@@ -72,8 +72,12 @@ def declared(tree):
 ARRAYS = re.compile(r"(?<!\w)Array(?!\w)")
 
 
-@pytest.mark.parametrize("layer", ["planner", "models"])
-def test_what_holds_arrays_is_compared_by_identity(layer):
+@pytest.mark.parametrize(
+    ("layer", "least"),
+    [("planner", 10), ("models", 10), ("sim/fitting", 4), ("sim/export", 1),
+     ("sim/optimisation", 2)],
+)  # fmt: skip
+def test_what_holds_arrays_is_compared_by_identity(layer, least):
     """Arrays that are equal have no truth value, and arrays have no hash."""
     found, seen = [], 0
     for path in (path for path in FILES if ROOT / layer in path.parents):
@@ -84,7 +88,7 @@ def test_what_holds_arrays_is_compared_by_identity(layer):
                 seen += 1
                 found += [node.name] * ("eq=False" not in decorator)
     assert found == []
-    assert seen > 9
+    assert seen >= least
 
 
 @pytest.mark.parametrize("layer", ["planner", "models"])
