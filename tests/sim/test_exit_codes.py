@@ -1,0 +1,42 @@
+"""Exit codes are those of the page of commands, and of the signals that end it."""
+
+import re
+import signal
+from pathlib import Path
+
+import pytest
+
+from sim.endings import ENDS, ExitCode
+from sim.progress import bar
+
+PAGE = (Path(__file__).parents[2] / "docs" / "commands.md").read_text()
+ROWS = dict(re.findall(r"^\| (\d+) \| (.*) \|$", PAGE, re.MULTILINE))
+
+
+@pytest.mark.parametrize(
+    ("code", "said"),
+    [
+        (ExitCode.OK, "all is well"),
+        (ExitCode.USAGE, "bad usage"),
+        (ExitCode.MODEL, "robot"),
+        (ExitCode.SIMULATION, "simulation"),
+        (ExitCode.RENDER, "drawn"),
+        (ExitCode.FILES, "disk"),
+        (ExitCode.TOLERANCE, "tolerance"),
+        (ExitCode.SWEEP, "sweep"),
+        (ExitCode.BUG, "a bug of ours"),
+    ],
+)
+def test_an_exit_code_is_the_one_of_the_page_of_commands(code, said):
+    assert said in ROWS[str(int(code))]
+
+
+@pytest.mark.parametrize("number", ENDS)
+def test_a_signal_ends_the_command_as_shells_tell_it(number):
+    """128 and the number of the signal, as if nobody had answered it."""
+    assert ENDS[number][0] == 128 + signal.Signals(number)
+
+
+def test_progress_is_shown_unless_it_is_to_be_quiet():
+    assert type(bar()) is type(bar(quiet=False))
+    assert type(bar()) is not type(bar(quiet=True))
