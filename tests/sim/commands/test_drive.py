@@ -228,7 +228,7 @@ def test_a_pace_that_no_clock_measures_is_refused(pace, capsys):
     assert "is not a pace: --pace; give a number such as 1" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(("pace", "waits"), [(True, 1e-3), (False, command.REPLY)])
+@pytest.mark.parametrize(("pace", "waits"), [(True, 1e-3), (False, 0.02)])
 def test_poses_since_a_moment_are_read_without_waiting_where_the_walk_has_a_pace(
     pace, waits
 ):

@@ -118,7 +118,7 @@ def test_the_sheet_has_its_size_and_a_ring_of_a_degree_for_each_foot():
     text = calibration.sheet(robot)
     millimetres = re.findall(r'(?:width|height)="([\d.]+)mm"', text)
     feet = Kinematics(robot).standing.feet
-    edge = 4 * calibration.SHEET_EDGE  # two on every side
+    edge = 4 * 0.02  # two on every side
     size = np.array(millimetres, dtype=float) / 1e3
     assert size == pytest.approx(np.ptp(feet, axis=0) + edge, abs=1e-6)  # as written
     number = r"(-?[\d.]+)"

@@ -63,7 +63,7 @@ def test_a_rough_plan_is_told_before_its_ends_are_predicted(turning, monkeypatch
 
     monkeypatch.setattr(open_loop, "segment_ends", counted)
     next(steer_along(turning, twist_model(turning, "quasi_static")))
-    assert len(predicted) == open_loop.ROUGH_ROUNDS - 1
+    assert len(predicted) == 3 - 1
 
 
 def test_without_steering_the_prediction_misses_them(turning):

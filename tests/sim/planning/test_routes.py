@@ -53,7 +53,7 @@ def test_the_way_leads_from_the_start_to_the_goal(detour):
     assert turns == pytest.approx(round(turns))
     steps = np.diff(np.array(path.parameter), axis=0)
     # each of the curves between cusps gets its share of the pieces, a whole number
-    assert np.hypot(*steps[:, :2].T).max() <= 1.1 * route.CHORD
+    assert np.hypot(*steps[:, :2].T).max() <= 1.1 * 0.02
 
 
 def test_the_robot_goes_where_it_is_heading(detour):

@@ -59,7 +59,7 @@ def test_robots_side_by_side_move_as_each_does_alone(begun, chosen):
     still = phases.follow(way).at(end).pose[0]
     for each, found in zip(level_and_leaning, together, strict=True):
         alone = Phases(phases.mechanics, each.robot).follow(way).at(end).pose[0]
-        assert found == pytest.approx((alone - still) / library.SHARE, abs=1e-4)
+        assert found == pytest.approx((alone - still) / 0.25, abs=1e-4)
 
 
 def test_an_effect_is_a_slope(begun, chosen, monkeypatch):
