@@ -75,12 +75,24 @@ def test_the_slope_is_that_of_the_angle_over_the_torque(torque):
 def test_a_foot_slips_as_its_points_do_by_their_loads_while_it_stands():
     """By half as much where it only lands, and not at all where it carries nothing."""
     weight = np.array([10.0])
-    little = 0.4 * LOADED * weight[0]  # at each of two points
-    after, before = np.zeros((2, 1, 4, 2, 3))  # forces on points of four feet
-    after[0, :, :, 2] = [[3.0, 1.0], [3.0, 1.0], [-1.0, 0.0], [little, little]]
-    before[0, :, :, 2] = [[2.0, 0.0], [0.0, 0.0], [4.0, 4.0], [little, little]]
-    moved = np.zeros((1, 4, 2, 2))
+    little, enough = 0.49 * LOADED * weight[0], 0.51 * LOADED * weight[0]  # at each
+    after, before = np.zeros((2, 1, 5, 2, 3))  # forces on points of five feet
+    after[0, :, :, 2] = [
+        [3.0, 1.0],
+        [3.0, 1.0],
+        [-1.0, 0.0],
+        [little] * 2,
+        [enough] * 2,
+    ]
+    before[0, :, :, 2] = [
+        [2.0, 0.0],
+        [0.0, 0.0],
+        [4.0, 4.0],
+        [little] * 2,
+        [enough] * 2,
+    ]
+    moved = np.zeros((1, 5, 2, 2))
     moved[..., 0, :], moved[..., 1, :] = [0.003, 0.004], [0.0, -0.009]
     found = _slip(SimpleNamespace(weight=weight), before, after, moved)
     whole = (3.0 * 0.005 + 1.0 * 0.009) / 4
-    assert found == pytest.approx(np.array([[whole, whole / 2, 0.0, 0.0]]))
+    assert found == pytest.approx(np.array([[whole, whole / 2, 0.0, 0.0, 0.007]]))

@@ -56,7 +56,8 @@ def test_a_sole_has_as_many_points_as_the_largest_and_what_it_lacks_is_absent(
 
 
 @pytest.mark.parametrize(("leans", "turned", "same"), [
-    (False, 9.0, True), (True, 9.0, False), (True, 0.9, True), (False, 0.9, True),
+    (False, 9.0, True), (True, 9.0, False), (True, 0.9, True), (True, 1.1, False),
+    (False, 0.9, True),
 ])  # fmt: skip
 def test_a_heading_tells_phases_apart_where_the_floor_leans_alone(leans, turned, same):
     looks = np.zeros(3)

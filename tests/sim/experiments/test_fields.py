@@ -135,7 +135,7 @@ def test_slow_walks_are_identified_at_half_a_radian_a_second(setup, laid, slow):
     assert laid["looks"][0] > hold
     strokes = 0.5 / speed + 1.5 * speed / gain
     assert count - laid["looks"][0] == pytest.approx(
-        strokes / limits.timestep, rel=0.05
+        strokes / limits.timestep, rel=0.02
     )
 
 

@@ -67,6 +67,14 @@ def test_it_is_aimed_no_further_once_it_hits(aimed):
     assert np.abs(WRONG + found).max() < HIT
 
 
+@pytest.mark.parametrize(("left", "plans"), [(0.99, 2), (1.01, 3)])
+def test_a_plan_hits_that_misses_a_hundredth_of_a_millimetre_or_milliradian(
+    aimed, left, plans
+):
+    _, tried = aimed(1.0 - left * HIT / np.abs(WRONG).max())
+    assert len(tried) == plans
+
+
 def test_of_plans_that_miss_ever_more_the_first_is_taken(aimed):
     found, tried = aimed(3.0)
     assert len(tried) == AIMS
