@@ -1,0 +1,80 @@
+"""How often, how far and how much commands take before they say that it is too much."""
+
+import argparse
+import io
+from types import SimpleNamespace
+
+import pytest
+
+from sim.commands import doctor, options
+from sim.commands.calibrate import BOARD_CHANNELS, _Asker, _clock
+from sim.commands.drive import Poses
+from sim.errors import FilesError, UsageError
+from sim.scenarios.file import load_scenario
+
+
+def test_a_question_is_asked_a_hundred_times_at_most():
+    asked = []
+
+    def never(text):
+        asked.append(text)
+        raise ValueError("no")
+
+    asker = SimpleNamespace(_answer=lambda question: "?", _place="standard input")
+    with pytest.raises(UsageError, match="100 answers to one question"):
+        _Asker.__call__(asker, "which? ", never)
+    assert len(asked) == 100
+
+
+@pytest.mark.parametrize(("text", "clock"), [("", None), ("25", 25e6), ("30", 30e6)])
+def test_clocks_are_told_in_megahertz(text, clock):
+    assert _clock(lambda question, read: read(text)) == clock
+
+
+def test_a_board_has_sixteen_channels():
+    assert (BOARD_CHANNELS[0], BOARD_CHANNELS[-1]) == (0, 15)
+    assert len(BOARD_CHANNELS) == 16
+
+
+@pytest.mark.parametrize(("goal", "told"), [(4.9, False), (5.1, True)])
+def test_goals_farther_than_five_metres_may_be_meant_in_millimetres(
+    goal, told, monkeypatch
+):
+    said = []
+    scenario = load_scenario("line", {"path.goal": [goal, 0.0, 0.0]})
+    monkeypatch.setattr(options, "notice", said.append)
+    monkeypatch.setattr(options, "settings_of", lambda _: {})
+    monkeypatch.setattr(options, "given_settings", lambda _: {})
+    monkeypatch.setattr("sim.scenarios.file.load_scenario", lambda *_: scenario)
+    options.scenario_of(argparse.Namespace(scenario="line"))
+    assert bool(said) == told
+
+
+def test_ten_thousand_poses_wait_and_the_oldest_go(monkeypatch):
+    line = '{{"time": {}, "x": 0, "y": 0, "yaw": 0}}\n'
+    monkeypatch.setattr("sim.commands.drive.Thread", lambda **_: SimpleNamespace(
+        start=lambda: None, daemon=True
+    ))  # fmt: skip
+    poses = Poses(io.StringIO())
+    poses._listen(io.StringIO("".join(line.format(k) for k in range(10_003))))
+    assert poses._queue.qsize() == 10_001  # and the end of what is sent
+    assert poses.next(1.0)[0] == 3.0
+
+
+@pytest.mark.parametrize(("spaces", "read"), [(9_900, True), (10_001, False)])
+def test_a_line_of_a_pose_has_ten_thousand_letters_at_most(spaces, read):
+    line = '{"time": 1, "x": 0, "y": 0, "yaw": 0' + " " * spaces + "}\n"
+    poses = Poses(io.StringIO(line))
+    if read:
+        assert poses.next(1.0)[0] == 1.0
+    else:
+        with pytest.raises(UsageError, match="not a pose"):
+            poses.next(1.0)
+
+
+@pytest.mark.parametrize(("count", "more"), [(3, ""), (4, ", and 1 more")])
+def test_three_packages_that_differ_are_named(count, more, monkeypatch):
+    differ = [(f"p{k}==1", f"p{k} is old") for k in range(count)]
+    monkeypatch.setattr(doctor, "differences", lambda: iter(differ))
+    with pytest.raises(FilesError, match=f"^p0 is old, p1 is old, p2 is old{more}:"):
+        doctor._packages()
