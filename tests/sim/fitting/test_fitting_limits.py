@@ -1,0 +1,58 @@
+"""Which rows are fitted, and what is too small to be found."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from sim.fitting.estimate import Estimates, Parameter, _in_words
+from sim.fitting.fitting import JointFit, _rows
+from sim.fitting.poses import BODY, PoseFit
+
+
+def test_three_quarters_of_a_log_are_fitted_and_the_rest_checks():
+    log = SimpleNamespace(time=np.arange(20.0), measured=np.arange(20.0)[:, None])
+    assert _rows(log, kept=False)[0].tolist() == [*range(15)]
+    assert _rows(log, kept=True)[0].tolist() == [*range(15, 20)]
+    assert _rows(log, kept=True)[1][:, 0].tolist() == [*range(15, 20)]
+
+
+def estimates(parameters, value, error):
+    """Of one problem, with a spread that nothing is left of."""
+    information = np.diag(1 / np.array(error, dtype=float) ** 2)[None]
+    value = np.array([value], dtype=float)
+    return Estimates(tuple(parameters), 0 * value, value, information, np.ones(1))
+
+
+@pytest.mark.parametrize(("value", "none"), [(1.99, True), (2.01, False)])
+@pytest.mark.parametrize("low", [0.0, -np.inf])
+def test_backlash_of_less_than_two_standard_errors_is_none(value, none, low):
+    one = Parameter(name="a", unit="", spread=1e6, step=1.0, low=low, setting="slack")
+    make, own = estimates([one], [value], [1.0]), estimates([one], [0.0], [1e9])
+    fit = JointFit(("hip",), make, make, own, np.zeros(1), np.zeros(1))
+    found, error = fit.settings(["hip"])["slack"]
+    assert error == pytest.approx(1.0)
+    assert found == pytest.approx(0.0 if none and low == 0 else value)
+
+
+@pytest.mark.parametrize(("mass", "place"), [(0.04, 0.5), (0.03, 2 / 3), (0.01, 2 / 3)])
+def test_a_payload_weighs_thirty_grams_at_least(mass, place):
+    """Of which it is known where it is, since its moment shows."""
+    value = [1.0, mass, 0.02, 0.0, 0.0, 0.0, 0.0]
+    found = estimates(BODY, value, np.full(7, 1e-6))
+    payload, _ = PoseFit(found, 0.0, 0.0).settings["payload"]
+    assert payload[:2] == pytest.approx([max(mass, 0.03), place])
+
+
+def test_parameters_may_have_any_value_and_are_no_logarithms_unless_it_is_said():
+    plain = Parameter(name="a", unit="m", spread=1.0, step=0.1)
+    assert plain.low == -np.inf
+    assert not plain.logarithm
+
+
+@pytest.mark.parametrize(
+    ("part", "said"), [(0.24, "a does not show"), (0.26, "more a with more b would")]
+)
+def test_parameters_take_part_in_a_direction_from_a_quarter_on(part, said):
+    direction = np.array([np.sqrt(1 - part**2), part])
+    assert _in_words(["a", "b"], direction).startswith(said)
