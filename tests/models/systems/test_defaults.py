@@ -12,6 +12,7 @@ from models.systems.legged import (
     paper_hexapod,
     quadruped,
 )
+from models.systems.problem import Problem
 from models.systems.smooth import car_with_trailers, chained
 
 UNITS = [
@@ -55,3 +56,14 @@ def test_a_plan_of_a_system_is_aimed_only_where_that_is_asked_for():
     plain, open_loop, aimed = (problem.plan(*how) for how in ((), (False,), (True,)))
     assert plain.flows == open_loop.flows
     assert plain.flows != aimed.flows
+
+
+def test_a_problem_of_which_no_more_is_said_is_one_straight_line_in_any_order():
+    system = quadruped().system
+    gait = quadruped().gait
+    plain = Problem(
+        name="it", description="", system=system, gait=gait, elements=(), goal={"x": 1}
+    )
+    assert plain.segments == 1
+    assert plain.open_loop.gait == ()
+    assert plain.open_loop.stance == "paper"
