@@ -9,6 +9,7 @@ import sympy as sp
 
 from planner.systems.closure import _Span, exact_rank
 from planner.systems.elements import parse_names
+from planner.systems.fields import NumericField, lie_bracket
 from planner.systems.formulas import _power, read_formula
 
 X = sp.Symbol("x")
@@ -77,3 +78,17 @@ def test_fields_are_compared_in_eighty_places_from_a_thousandth_to_one_away():
     assert away[0] == 0
     assert away[1:41] == pytest.approx(1.0, rel=0.1)  # of which the largest are random
     assert away[-1] == pytest.approx(1e-3, rel=0.1)
+
+
+def test_a_bracket_of_functions_takes_seven_calls_of_each():
+    """Which are called once for a velocity, and six times more for its derivative."""
+    calls = [0]
+
+    def turning(x):
+        calls[0] += 1
+        return np.array([1.0, x[0]])
+
+    plain = NumericField(turning)
+    plain(np.zeros(2))
+    assert plain.calls == calls[0] == 1
+    assert lie_bracket(plain, plain, sp.symbols("x y")).calls == 14

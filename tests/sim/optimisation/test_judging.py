@@ -121,3 +121,13 @@ def test_legs_that_stroke_together_are_set_anew_within_their_range_and_end_at_re
     assert angles[-1] == pytest.approx(np.zeros(4), abs=1e-9)
     forward = [flow.duration for flow in found if flow.field == "g1234_forward"]
     assert sum(forward) == pytest.approx(0.9)
+
+
+def test_optimised_plans_keep_a_tenth_of_a_milliradian_from_the_ends_of_the_range(
+    setup,
+):
+    """So that servos which follow them within that stay in the range."""
+    task, names = task_of(setup, (0.01, 0.1)), setup.equations.system.state
+    for index, (low, high) in task.limits.items():
+        ends = setup.equations.limits[str(names[index])]
+        assert (low - ends[0], ends[1] - high) == pytest.approx((1e-4, 1e-4))
