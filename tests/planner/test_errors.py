@@ -2,7 +2,7 @@
 
 import pytest
 
-from planner.errors import did_you_mean, unknown
+from planner.errors import SETUP, did_you_mean, installing, unknown
 
 
 @pytest.mark.parametrize(
@@ -33,3 +33,9 @@ def test_many_names_are_listed_only_where_none_is_near(count, listed):
     assert did_you_mean("rate", ["command_rate", "x"]).startswith(
         "did you mean 'command_rate'?"
     )
+
+
+def test_a_checkout_installs_extras_by_its_own_script():
+    """Which is there, and which the message names by its path."""
+    assert SETUP.is_file()
+    assert installing("sweep") == f"{SETUP} installs all extras"

@@ -30,7 +30,7 @@ def test_walking_systems_have_heights_and_angles_count_as_the_way_at_a_unit():
 
 
 def test_a_swing_in_the_air_does_not_move_the_body():
-    field = walking_system(("1", "2"), CONTACTS, SWINGS).fields["b"]
+    field = walking_system(("1", "2"), CONTACTS, SWINGS).strata["1"]["g1_b"]
     assert [*field] == [0, 0, 0, 0, 1, 0, 0]
 
 

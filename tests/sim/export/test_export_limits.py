@@ -7,7 +7,7 @@ from models.description.makes import PULSES
 from models.description.servos import BOARD_CLOCK, BOARD_COUNTS, DIVIDERS, board_rate
 from sim.commands import export
 from sim.errors import UsageError
-from sim.export import served
+from sim.export import served, source
 from sim.export.header import FIRST, LONGEST_RUN, pack, unpack
 from sim.export.servo_commands import ServoCommands
 from sim.export.servo_table import FRAMES, Channel, ServoTable, read_ros_table
@@ -81,3 +81,15 @@ def test_a_table_of_ros_has_a_hundred_kilobytes_at_most(tmp_path):
 
 def test_servos_without_a_rate_get_commands_as_hobby_servos_do():
     assert (served.SERVO_RATE, export.RATE) == (PULSES, PULSES)
+
+
+def test_commands_are_read_from_files_of_a_gigabyte_at_most(monkeypatch):
+    class AskedError(Exception):
+        """How large the file may be."""
+
+    def read_text(path, largest):
+        raise AskedError(largest)
+
+    monkeypatch.setattr(source, "read_text", read_text)
+    with pytest.raises(AskedError, match="^1000000000$"):
+        source.read("commands.csv", "csv", table())
