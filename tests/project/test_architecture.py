@@ -69,6 +69,16 @@ def declared(tree):
                     yield node, decorator
 
 
+STATE = {"Search", "WindowSearch", "_Budget", "Link", "Playback"}
+
+
+def test_dataclasses_are_frozen_but_for_those_of_work_that_goes_on():
+    """Searches, budgets, and what is connected or played."""
+    library = [path for path in FILES if path.relative_to(ROOT).parts[0] != "tests"]
+    every = [pair for path in library for pair in declared(ast.parse(path.read_text()))]
+    assert {node.name for node, text in every if "frozen=True" not in text} == STATE
+
+
 ARRAYS = re.compile(r"(?<!\w)Array(?!\w)")
 
 
