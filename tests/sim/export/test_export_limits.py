@@ -1,5 +1,7 @@
 """What boards, buses and packed headers have room for."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -93,3 +95,26 @@ def test_commands_are_read_from_files_of_a_gigabyte_at_most(monkeypatch):
     monkeypatch.setattr(source, "read_text", read_text)
     with pytest.raises(AskedError, match="^1000000000$"):
         source.read("commands.csv", "csv", table())
+
+
+@pytest.mark.parametrize(
+    ("limited", "farthest"), [(True, 0.5 + 0.5), (False, 4 * np.pi + 0.5)]
+)
+@pytest.mark.parametrize(("off", "taken"), [(-0.01, True), (0.01, False)])
+def test_commands_are_ahead_of_what_a_joint_can_by_half_a_radian_at_most(
+    limited, farthest, off, taken, monkeypatch
+):
+    """And joints that turn without end by two turns from the middle."""
+    commands = ServoCommands(("hip",), 50.0, np.array([[0.0], [farthest + off]]))
+    monkeypatch.setattr(source, "taken", lambda *_: commands)
+    joint = SimpleNamespace(limited=limited, range=(-0.5, 0.5))
+    run = SimpleNamespace(commands={"ctrl": None}, folder="runs/it")
+    given = SimpleNamespace(
+        run=run, servo=SimpleNamespace(rate=0.0), joints=("hip",), actuators=(0,),
+        timestep=0.001, model=SimpleNamespace(joint=lambda name: joint),
+    )  # fmt: skip
+    if taken:
+        assert source.Source.commands(given, 50.0) is commands
+    else:
+        with pytest.raises(UsageError, match="'hip' is commanded from 0 to"):
+            source.Source.commands(given, 50.0)
