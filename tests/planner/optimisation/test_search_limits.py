@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 
 from planner.optimisation.search import _first_count
-from planner.optimisation.stages import Stage
+from planner.optimisation.stages import Stage, guesses
 from planner.optimisation.task import Inequality, Task
+from planner.optimisation.windows import WindowSearch
 from tests.planner.optimisation.step import optimised, within
+from tests.planner.optimisation.stubs import Found, searching
 
 
 @pytest.mark.parametrize(
@@ -42,3 +44,30 @@ def test_constraints_are_hard_and_legs_wait_unless_that_is_said():
     assert not task.overlapped
     assert not task.centred
     assert not Inequality("margin", lambda stage, state: []).relaxed
+
+
+def test_the_four_best_plans_of_different_scores_are_solved_again():
+    """Scores are alike that differ by a hundred-thousandth."""
+    search = searching()
+    costs = [1.0, 1.0 + 0.9e-5, 1.0 + 1.1e-5, 4.0, 2.0, 3.0]
+    search._kept_plans.extend(Found(cost) for cost in costs)
+    assert [plan.cost for plan in search._finalists()] == [1.0, 1.0 + 1.1e-5, 2.0, 3.0]
+
+
+def test_soft_constraints_are_kept_and_searches_take_their_time_at_first():
+    search = WindowSearch(searching().task, None, None)
+    assert not search.without_soft
+    assert not search.hurried
+    assert search.hops == 0
+
+
+def test_coarse_plans_fill_the_stages_or_half_of_them():
+    asked = []
+
+    def coarse(begin, end, segments):
+        asked.append(segments)
+        return ()
+
+    stages = (Stage("12", "f", ()), Stage("12", "g", ())) * 2
+    assert len([*guesses(stages, 41, (0.0, 1.0), coarse)]) >= 3
+    assert asked == [5, 2]  # with a word of twice the cycle in each segment
