@@ -5,11 +5,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from models.adoption import anatomy, card_text, crawl
-from models.adoption.anatomy import fitting_rotor
+from models.adoption import anatomy, card_text, crawl, draft
+from models.adoption.anatomy import _within, fitting_rotor
 from models.adoption.card_text import drafted_lift
-from models.adoption.crawl import Crawl, find_crawl
+from models.adoption.crawl import Crawl, _postures, find_crawl
 from models.errors import ModelError
+from tests.models.adoption.test_rowing import BODY
 
 
 @pytest.mark.parametrize("count", range(2, 9))
@@ -40,3 +41,33 @@ def test_a_motor_turns_its_rotor_at_700_rad_a_second_on_its_spring(monkeypatch):
     servo = SimpleNamespace(stiffness=49.0)
     monkeypatch.setattr(anatomy, "servo_for", lambda robot: servo)
     assert fitting_rotor(None) == pytest.approx(49.0 / 700.0**2)
+
+
+def test_joints_keep_15_percent_of_their_range_from_its_ends_on_forty_steps():
+    tried = _within(SimpleNamespace(span=lambda joint: (-0.5, 1.5)), "hip")
+    assert tried[[0, -1]] == pytest.approx([-0.2, 1.2])
+    assert np.diff(tried) == pytest.approx(np.full(40, 1.4 / 40))
+
+
+def test_postures_are_nine_by_nine_places_of_feet_and_five_turns_of_legs():
+    """By up to 0.8 rad, as far as legs can be turned."""
+    every = [*_postures(BODY, np.tile([-9.0, 9.0], (4, 1)))]
+    assert len(every) == 9 * 9 * 5
+    alike = {round(float(one.turns[0]), 9) for one in every if not np.ptp(one.turns)}
+    assert alike == {0.0, 0.4, -0.4, 0.8, -0.8}
+
+
+@pytest.mark.parametrize(("length", "taken"), [(0.051, True), (0.049, False)])
+def test_legs_are_a_twentieth_of_the_longest_at_least(length, taken, monkeypatch):
+    monkeypatch.setattr(
+        draft, "refusal", lambda key, *_, **facts: ModelError(str(facts))
+    )
+    limbs = [
+        SimpleNamespace(hip=np.zeros(2), toe=np.array([arm, 0.0, 0.0]), foot="toe")
+        for arm in (1.0, length)
+    ]
+    pose = SimpleNamespace(center_of_mass=None)  # which is what is needed next
+    with pytest.raises(
+        TypeError if taken else ModelError, match="None" if taken else "toe"
+    ):
+        draft._gait(pose, limbs, "x")

@@ -6,7 +6,7 @@ import pytest
 from sim.errors import UsageError
 from sim.studies import maps
 from sim.studies.designing import Design, designs
-from sim.studies.results import _require, group
+from sim.studies.results import ROUND, _require, group
 from sim.studies.sensitivities import MILLIMETRE, NEWTON
 from sim.sweeps.folder import Shard
 from sim.sweeps.sweeping import GOLDEN
@@ -72,3 +72,12 @@ def test_a_leg_that_does_not_swing_has_a_millionth_of_its_group_s_angle():
 
     Design(({1: 1, 2: 0}, {3: -1})).built(Robot())
     assert given == [{"1": {1: 1, 2: 1e-6}, "2": {3: -1}}]
+
+
+def test_round_limits_are_a_fifth_to_a_third_apart_from_a_billionth_to_thousands():
+    """So that some round number lies close above any share of a path."""
+    ratios = ROUND[1:] / ROUND[:-1]
+    assert ratios.min() > 1.19
+    assert ratios.max() < 1.34
+    assert ROUND[[0, -1]] == pytest.approx([1e-9, 8e3])
+    assert len(ROUND) == 10 * 13  # ten in each decade
