@@ -136,3 +136,19 @@ def test_joints_stand_at_as_many_counts_as_their_angles_hold():
     setup = SimpleNamespace(robot=robot, servo=SimpleNamespace(resolution=0.02))
     standing = LiftCounts._standing.func(SimpleNamespace(setup=setup))
     assert standing == pytest.approx([1.5, -5.0])
+
+
+@pytest.mark.parametrize(("off", "trusted"), [(1.9, False), (2.1, True)])
+def test_a_rehearsal_is_trusted_that_is_two_counts_off_what_statics_say(off, trusted):
+    counts = SimpleNamespace(
+        setup=SimpleNamespace(
+            robot=SimpleNamespace(raise_sign=1.0, group_of_leg=np.zeros(1, dtype=int)),
+            servo=SimpleNamespace(resolution=0.1),
+        ),
+        _bent=lambda groups: np.array([3.0]),
+        _standing=np.array([100.0]),
+        height=0.0,
+    )
+    zero, rehearsed = np.zeros((1, 1)), np.array([[0.1 * (3.0 + off)]])
+    found = LiftCounts.at(counts, zero, zero, rehearsed)
+    assert found == round(103.0 + off * trusted)
