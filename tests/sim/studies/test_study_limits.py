@@ -8,8 +8,6 @@ from sim.studies import maps
 from sim.studies.designing import Design, designs
 from sim.studies.results import ROUND, _require, group
 from sim.studies.sensitivities import MILLIMETRE, NEWTON
-from sim.sweeps.folder import Shard
-from sim.sweeps.sweeping import GOLDEN
 
 
 @pytest.mark.parametrize(
@@ -52,15 +50,6 @@ def test_groups_of_a_design_have_three_legs_at_least_and_legs_that_swing_or_not(
 
 def test_units_of_changes_are_those_that_are_named():
     assert (1000 * MILLIMETRE, NEWTON) == (1.0, 1.0)
-
-
-def test_the_golden_ratio_divides_the_unit_interval_as_it_is_divided_itself():
-    assert pytest.approx(1.0) == GOLDEN**2 + GOLDEN
-
-
-def test_a_sweep_that_is_not_divided_has_all_points():
-    assert all(point in Shard() for point in range(5))
-    assert Shard().suffix == ""
 
 
 def test_a_leg_that_does_not_swing_has_a_millionth_of_its_group_s_angle():
