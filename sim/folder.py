@@ -227,8 +227,7 @@ def _writing(
         try:
             yield
         except FileExistsError as error:
-            remedy = "give another name, or move it away"
-            raise UsageError("already exists", str(path), remedy) from error
+            raise UsageError.of("exists", path) from error
         except OSError as error:
             if error.errno not in (errno.ENOSPC, errno.EDQUOT):
                 raise

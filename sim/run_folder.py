@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import time
 import warnings
 from collections.abc import Callable, Collection
@@ -16,7 +17,7 @@ from models import Robot
 from models.description import parse_toml
 from planner import Array
 from sim.endings import command
-from sim.errors import SimulationError, one_line
+from sim.errors import SimulationError, UsageError, one_line
 from sim.evaluation import flows
 from sim.evaluation.assessment import Evaluation, evaluate
 from sim.evaluation.phases import carried_out
@@ -131,6 +132,9 @@ def run(
             without=without,
             log=log,
         )
+    except UsageError:  # which comes before anything is walked
+        shutil.rmtree(folder.path, ignore_errors=True)
+        raise
     except SimulationError as error:
         again = folder.path / "scenario.toml"
         if not again.exists():

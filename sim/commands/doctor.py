@@ -228,8 +228,7 @@ def bench(options: argparse.Namespace) -> None:
 def _compare_peers(options: list[str]) -> None:
     """Run the script that knows the other planners; it is part of a checkout only."""
     if not (ROOT / "scripts" / "planner_table.py").is_file():
-        what = "the other planners are not part of an installed package"
-        raise UsageError(what, "bench --peers", "run it in a checkout of the project")
+        raise UsageError.of("peers", "bench --peers")
     for package in ("casadi", "ompl"):
         if find_spec(package) is None:
             raise ModuleNotFoundError(name=package)

@@ -88,12 +88,10 @@ def _played(
 def _require_sense(options: argparse.Namespace, out: Path) -> None:
     """Refuse files that exist, and options that exclude one another, in time."""
     if options.microseconds and options.format != "header":
-        what = f"--microseconds with --format {options.format}"
-        raise UsageError(what, "the command line", "only a header has pulses")
+        raise UsageError.of("pulses", "the command line", format=options.format)
     require_free(out, "--out")
     if not options.out or not out.parent.is_dir():
-        where = options.out or "--out"
-        raise UsageError("no such folder", where, "give --out a folder that exists")
+        raise UsageError.of("no_folder", options.out or "--out")
 
 
 def _source(options: argparse.Namespace, progress: Progress) -> Source:

@@ -87,15 +87,13 @@ def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | No
     robot = cli.robot_of(options, run.scenario.robot if run and not named else first)
     settings = cli.settings_of(options)
     if run and settings:
-        remedy = "leave --set out: the run has the settings that it was walked with"
-        raise UsageError("a run knows its settings", str(paths[0]), remedy)
+        raise UsageError.of("knows_settings", paths[0])
     scenario = run.scenario if run else scenario_of(robot, paths[0], settings)
     read = cli.reader_of(options, robot, scenario)
     logs = [log_of(runs[path]) if path in runs else read(path) for path in paths]
     for path, log in zip(paths, logs, strict=True):
         if log.measured is None and log.pose is None:
-            remedy = "give columns measured.JOINT, or body.x, body.y and body.yaw"
-            raise UsageError("nothing was measured", str(path), remedy)
+            raise UsageError.of("unmeasured", path)
         check_measured(path, log)
         if log.joints != logs[0].joints:
             raise UsageError.of("other_joints", path, first=paths[0])

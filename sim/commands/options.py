@@ -46,8 +46,7 @@ def scenario_of(options: argparse.Namespace) -> Scenario:
     overrides, given = settings_of(options), given_settings(options)
     for key, option in given.items():
         if key in overrides:
-            where = f"{option} and --set {key}"
-            raise UsageError(f"{key} is given twice", where, "keep one of them")
+            raise UsageError.of("twice", f"{option} and --set {key}", key=key)
         overrides[key] = getattr(options, key)
     scenario = load_scenario(source, overrides)
     *place, yaw = scenario.path.goal

@@ -69,8 +69,7 @@ class Parser(argparse.ArgumentParser):
                 remedy = f"write --set {shlex.quote(f'{begun}={rest[0]}')}"
                 raise UsageError(f"{begun} has no value", "--set", remedy)
             if "=[" in begun and "]" not in begun:
-                remedy = "put quotes around a list: --set 'path.goal=[0, 0.05, 0]'"
-                raise UsageError(f"{begun} is not closed", "--set", remedy)
+                raise UsageError.of("not_closed", "--set", begun=begun)
         for place, word in enumerate(rest):
             if word.startswith("-"):
                 _refuse_option(word, rest[place + 1 :], self.prog, own)

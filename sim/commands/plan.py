@@ -158,8 +158,7 @@ def _system(options: argparse.Namespace, progress: Progress) -> Outcome:
         wanted = replace(wanted, **given)
         objective = options.optimise or "none"
         if options.free and objective == "none":
-            remedy = "give --optimise as well, or leave it out"
-            raise UsageError("there is nothing to optimise", "--free", remedy)
+            raise UsageError.of("nothing_free", "--free")
         with limited(PLAN_TIME):
             problem = SystemProblem(
                 wanted,

@@ -61,8 +61,7 @@ def robots(options: argparse.Namespace) -> None:
 def adopt(options: argparse.Namespace) -> None:
     """Draft the card, try whether the robot stands, and write it beside the file."""
     if options.robot in shipped_robots() and not os.path.exists(options.robot):
-        remedy = f"walk it: stratawalk run line --robot {options.robot}"
-        raise UsageError("it is shipped with a card", options.robot, remedy)
+        raise UsageError.of("shipped_card", options.robot, robot=options.robot)
     too_long = ModelError(
         f"no card was found within {BUDGET:g} s of processor time: {options.robot}; "
         "leave parts out, or write its card by hand as docs/robots.md has it"
@@ -85,8 +84,7 @@ def _adopted(options: argparse.Namespace) -> tuple[Source, Draft, Setup, list[Pa
     model = [] if source.text is None else [source.path]
     taken = filter(os.path.lexists, (card, picture, *model))  # also as a link
     if names := " and ".join(map(str, taken)):
-        remedy = "move away what is there: adopt overwrites no file"
-        raise UsageError("already exists", names, remedy)
+        raise UsageError.of("adopted", names)
     with cli.working(options, "finding the legs"):
         draft = draft_card(source)
     from sim.figures.mechanism import save_standing  # loads matplotlib

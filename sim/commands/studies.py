@@ -38,13 +38,11 @@ def sweep(options: argparse.Namespace) -> ExitCode:
     """Walk what is not done yet, write the table, and say what failed."""
     asked = read_sweep(options.file)
     if options.out is None:
-        remedy = f"add --out sweeps/{asked.name}"
-        raise UsageError("--out missing", "stratawalk sweep", remedy)
+        raise UsageError.of("no_out", "stratawalk sweep", name=asked.name)
     shard = options.shard or Shard()
     workers, scheduler = options.workers, options.scheduler
     if workers and scheduler is not None:
-        what = "a scheduler has workers of its own"
-        raise UsageError(what, "--workers and --scheduler", "keep one of them")
+        raise UsageError.of("own_workers", "--workers and --scheduler")
     if scheduler is not None and not re.search(r":\d+$", scheduler):
         raise UsageError("an address without a port", scheduler, "give tcp://HOST:PORT")
     workers = workers or len(os.sched_getaffinity(0))

@@ -110,8 +110,7 @@ def coordinates(words: Sequence[str], option: str) -> dict[str, float]:
         try:
             values[name] = float(value)
         except ValueError:
-            what = f"{word!r} gives no value"
-            raise UsageError(what, option, "write NAME=VALUE, as in x=1") from None
+            raise UsageError.of("no_value", option, word=word) from None
     return values
 
 

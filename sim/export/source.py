@@ -221,8 +221,7 @@ def write_table(commands: ServoCommands, table: ServoTable | None = None) -> str
     joints = commands.joints if table is None else table.joints
     values = commands.angles if table is None else table.counts(commands)
     if "time" in joints:
-        remedy = "give the joint another name, or take --format header or ros2"
-        raise UsageError("a joint is called 'time', as the moments are", "csv", remedy)
+        raise UsageError.of("called_time", "csv")
     rows = zip(commands.time.tolist(), values.tolist(), strict=True)
     return csv_text([("time", *joints), *((moment, *row) for moment, row in rows)])
 

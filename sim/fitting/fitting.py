@@ -123,8 +123,7 @@ def check_measured(path: Path, log: Log) -> None:
     """Refuse a log that measured too little to fit servos, or nothing that checks."""
     short = len(log.time) < FEWEST_ROWS
     if log.measured is not None and (short or np.isnan(_rows(log, True)[1]).all()):
-        what = f"fewer than {FEWEST_ROWS} rows, or no angles to its end, which check"
-        raise UsageError(what, str(path), "leave out rows in which none was measured")
+        raise UsageError.of("few_rows", path, FEWEST_ROWS=FEWEST_ROWS)
 
 
 def _rows(log: Log, kept: bool) -> tuple[Array, Array]:
@@ -211,8 +210,7 @@ def card_text(robot: Robot, fitted: Fitted, sources: Sequence[str]) -> str:
 def check_free(card: Path) -> None:
     """Refuse a name that is no card's, or that is taken."""
     if card.suffix != ".toml" or not card.parent.is_dir():
-        remedy = "give --out FOLDER/NAME.toml"
-        raise UsageError("no place for a card", str(card), remedy)
+        raise UsageError.of("no_place", card)
     require_free(card, "--out")
 
 

@@ -143,7 +143,7 @@ def read_log(
     """
     try:
         return _log(_table(path), joints, legs, angles)
-    except FileNotFoundError as error:
+    except (FileNotFoundError, IsADirectoryError) as error:
         raise UsageError("no such log", str(path), "check the path") from error
     except (ValueError, csv.Error) as error:
         raise UsageError.at(str(path), error, "correct the file") from error

@@ -59,8 +59,7 @@ def view_of(text: str) -> View:
         remedy = f"{did_you_mean(text, [*VIEWS])}; or give AZIMUTH,ELEVATION in degrees"
         raise UsageError(f"unknown camera {text!r}", "film", remedy) from None
     if not (math.isfinite(azimuth) and -90 <= elevation <= FLATTEST):
-        remedy = f"give an elevation from -90 to {FLATTEST:g} degrees"
-        raise UsageError(f"camera {text!r} does not see the floor", "film", remedy)
+        raise UsageError.of("sees_no_floor", "film", text=text, FLATTEST=FLATTEST)
     return View(azimuth, max(elevation, STEEPEST))
 
 

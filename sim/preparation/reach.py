@@ -84,11 +84,9 @@ def require_gait(scenario: Scenario, robot: Robot, described: Equations) -> None
         what = f"the gait starts on S{walk.strata[0]}, and walks start on all feet"
         raise UsageError(what, written, f"begin with S{robot.card.bottom}")
     if described.stance == "stepped":
-        what = f"{robot.name} lifts its legs in the order in which it stands safely"
-        raise UsageError(what, written, "leave gait out for this robot")
+        raise UsageError.of("own_order", written, name=robot.name)
     if scenario.optimise != "none":
-        what = f"optimise = {scenario.optimise} chooses the order of strata itself"
-        raise UsageError(what, written, "leave out one of the two")
+        raise UsageError.of("order_twice", written, optimise=scenario.optimise)
 
 
 def lift_angle(kinematics: Kinematics, height: float | None) -> float:

@@ -172,8 +172,7 @@ def _read_poses(file: object) -> list[tuple[float, ...]]:
         try:
             return _poses_in(read_text(FilePath(file), MOST_BYTES))
         except csv.Error as error:
-            remedy = "give a line of three numbers a pose"
-            raise UsageError(f"no table, {error}", file, remedy) from error
+            raise UsageError.of("no_poses", file, error=error) from error
         except ValueError as error:
             raise UsageError.at(file, error, "save the table in UTF-8") from error
 

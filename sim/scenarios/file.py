@@ -91,13 +91,14 @@ def scenario_from(
     description, which is of another.
     """
     values = deepcopy(given := _renamed(table, where))
-    for key, value in _renamed(overrides, where).items():
+    for key, value in (changes := _renamed(overrides, where)).items():
+        if (whole := key.partition(".")[0]) != key and whole in changes:
+            raise UsageError.of("part_and_whole", where, key=key, whole=whole)
         _replace(values, key, value)
     if values.get("path") != given.get("path") and "description" not in overrides:
         values.pop("description", None)
     if "state" in values or "strata" in values:
-        what = "a system of strata is no scenario"
-        raise UsageError(what, where, "plan or check it, with tables [strata.NAME]")
+        raise UsageError.of("a_system", where)
     for key in values:
         if key == "scenario":
             on = command("sweep", where, "--out", f"sweeps/{Path(where).stem}")
@@ -106,8 +107,7 @@ def scenario_from(
             near = did_you_mean(CALLED.get(key, key), KEYS)
             raise UsageError(f"unknown key {key!r}", where, near)
     if "motion" in values and "path" in values:
-        what = "motion, which is played, and path, which is planned, are both given"
-        raise UsageError(what, where, "give one of them")
+        raise UsageError.of("both_given", where)
     needed = ("name", "path") if "motion" not in values else ("name",)
     if lacking := [key for key in needed if key not in values]:
         raise UsageError(f"{lacking[0]} is missing", where, f"give {lacking[0]}")
@@ -123,8 +123,7 @@ def _learnt(path: Path) -> object:
     path = path / "learnt.toml" if path.is_dir() else path
     table = read_toml(path).get("learnt")
     if not isinstance(table, dict) or "numbers" not in table:
-        what = "no [learnt] table with numbers"
-        raise UsageError(what, str(path), "give a learnt.toml, or the run that has it")
+        raise UsageError.of("not_learnt", path)
     return table["numbers"]
 
 
@@ -144,8 +143,7 @@ def _anchor(table: Values, key: str, folder: Path, suffix: str = "") -> None:
     try:
         table[key] = str((folder / name).resolve())
     except (ValueError, RuntimeError) as error:  # a zero byte, or a link to itself
-        what = f"{name!r} is no file, {error}"
-        raise UsageError(what, str(folder), "name one that exists") from error
+        raise UsageError.of("no_file", folder, name=name, error=error) from error
 
 
 def parse_override(text: str) -> tuple[str, object]:
@@ -200,8 +198,7 @@ def find(source: str, folder: Path, what: str, where: str, otherwise: str) -> Pa
         raise UsageError(f"a folder is not a {what}", source, "give a TOML file in it")
     if not path.is_file() and (path.suffix == ".toml" or len(path.parts) != 1):
         own = f"{path.stem!r}, as shipped, or " * (path.stem in shipped)
-        remedy = f"give {own}a TOML file that exists"
-        raise UsageError(f"no such {what} file", source, remedy)
+        raise UsageError.of("no_such_file", source, what=what, own=own)
     if not path.is_file():
         remedy = f"{did_you_mean(source, shipped)}; or {otherwise}"
         raise UsageError(f"unknown {what} {source!r}", where, remedy)

@@ -266,8 +266,7 @@ class Settings:
         once = "steer" if self.steer == "compliant" else "optimise"
         if self.replan and (once == "steer" or self.optimise != "none"):
             whole = f"{once} = {getattr(self, once)!r} plans the whole path at once"
-            what = f"{whole}, but replan plans it piece by piece"
-            raise UsageError(what, where, "leave one of them out")
+            raise UsageError.of("but_replan", where, whole=whole)
 
 
 _KINDS = get_type_hints(Settings, include_extras=True)

@@ -14,6 +14,7 @@ from itertools import combinations
 from pathlib import Path
 from shlex import quote
 from typing import TYPE_CHECKING
+from urllib.parse import quote as url
 from warnings import catch_warnings, filterwarnings
 
 import numpy as np
@@ -119,7 +120,8 @@ def _points(
         settings = {key: _given(results.columns[key][i]) for key in results.keys}
         own = run_folder(number)
         if (folder / own / "report.html").exists():
-            link = Markup(f'<a href="{{}}/{own}/report.html">report</a>').format(places)
+            href = f"{url(places)}/{own}/report.html"
+            link = Markup('<a href="{}">report</a>').format(href)
         else:
             fixed = {**results.asked.get("set", {}), **settings}
             sets = (f"--set {quote(f'{k}={toml_value(v)}')}" for k, v in fixed.items())

@@ -141,8 +141,7 @@ def read_results(path: Path, prediction: str = "") -> Results:
     _require("point", columns["point"], "whole numbers from 0", int)
     (point, times), *_ = Counter(columns["point"]).most_common(1) or [(0, 1)]
     if times > 1:
-        remedy = "leave one row of each point"
-        raise UsageError(f"point {point} stands in {times} rows", str(file), remedy)
+        raise UsageError.of("in_rows", file, point=point, times=times)
     _require("status", columns["status"], "texts", str)
     _require("verdict", columns["verdict"], "texts", str, NoneType)
     for key in keys:

@@ -117,8 +117,7 @@ def _scenario(table: Table, path: Path) -> Table:
         return own
     for key in own:
         if key in SETTINGS:
-            remedy = "write it under [grid] where it varies, else under [set]"
-            raise UsageError(f"{key} stands in no table", str(path), remedy)
+            raise UsageError.of("in_no_table", path, key=key)
         raise UsageError(f"unknown key {key!r}", str(path), did_you_mean(key, KEYS))
     if not isinstance(named, str):
         raise UsageError(f"scenario = {named!r} is no name", str(path), remedy)
@@ -219,8 +218,7 @@ def _values(key: str, given: object, block: str) -> list[object]:
         return list(given)
     where = f"{block} {key}"
     if not isinstance(given, Mapping) or not given.keys() <= RANGE:
-        remedy = "give [a, b, ...] or { from = a, to = b, count = n }"
-        raise UsageError("neither a list nor a range", where, remedy)
+        raise UsageError.of("no_values", where)
     count = _whole(f"{where}: count", given.get("count"), 1, MOST_POINTS)
     return _stretch(np.linspace(0.0, 1.0, count), *_span(given, where), key in WHOLE)
 

@@ -247,8 +247,7 @@ def open_pool(workers: int, scheduler: str | None) -> Iterator[WorkerPool]:
             client = stack.enter_context(Client(at, timeout=ANSWER))
         except Exception as error:  # a library may raise anything of an address
             why = " ".join(str(error).split()) or type(error).__name__
-            remedy = "start one with `dask scheduler`, and give its address"
-            raise SweepError(f"no scheduler answers, {why}", str(at), remedy) from error
+            raise SweepError.of("no_answer", at, why=why) from error
         try:
             yield WorkerPool(client)
         except KeyboardInterrupt:

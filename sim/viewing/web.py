@@ -127,5 +127,4 @@ def _bound(host: str, port: int) -> socket.socket:
         bound.listen()  # a browser may come before the server's thread does
         return bound
     except (OSError, RuntimeError) as error:
-        remedy = "give another --port, or 0 for a free one"
-        raise UsageError("cannot listen", f"{host}:{port}", remedy) from error
+        raise UsageError.of("deaf", f"{host}:{port}") from error

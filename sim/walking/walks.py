@@ -188,8 +188,7 @@ def walk(robot: Robot, plan: Plan, progress: Progress = silent, **changes: Any) 
     """
     setup = prepare(_scenario_of(robot, plan, changes), robot)
     if plan.system != setup.equations.system:
-        remedy = "make one of its own equations"
-        raise UsageError(f"the plan is not one of {robot.name}", "sim.walk", remedy)
+        raise UsageError.of("foreign_plan", "sim.walk", name=robot.name)
     require_sound(setup, plan)
     return carry_out(Walker(setup, progress), plan)
 
@@ -262,8 +261,7 @@ def _scenario_of(robot: Robot, plan: Plan, changes: dict[str, Any]) -> Scenario:
     """The scenario that a plan of a robot carries out, with some settings changed."""
     require_keys(changes, "sim.walk", (), (*SETTINGS, *SETTLED))
     for name in sorted(changes.keys() & SETTLED):
-        remedy = "leave it out, or plan with it"
-        raise UsageError(f"the plan has settled {name} already", "sim.walk", remedy)
+        raise UsageError.of("settled", "sim.walk", name=name)
     printed = plan.elements == equations(robot, "paper").elements
     return Scenario(
         **{

@@ -177,6 +177,29 @@ def test_the_command_may_be_called_from_any_thread(capsys):
     assert codes == [0]
 
 
+DROPPED = """
+import os, signal, sys, time, weakref
+from sim import interruption
+
+class Anything: pass
+
+interruption.watch()
+with interruption.listening():
+    one = Anything()
+    seen = weakref.ref(one, lambda _: os.kill(os.getpid(), signal.SIGTERM))
+    del one  # what the signal raises here goes no further
+    time.sleep(10)
+"""
+
+
+def test_a_signal_whose_exception_python_drops_ends_the_command_without_a_traceback():
+    words = [sys.executable, "-c", DROPPED]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=9)
+    assert done.returncode == ExitCode.TERMINATED
+    (line,) = done.stderr.splitlines()
+    assert line.startswith("stratawalk: error: terminated: SIGTERM during a long step")
+
+
 def test_processes_that_are_started_leave_signals_to_this_one():
     program = "import signal; print(len(signal.pthread_sigmask(signal.SIG_BLOCK, ())))"
     with interruption.deaf():

@@ -252,3 +252,10 @@ def test_a_model_that_takes_all_memory_is_large(monkeypatch, tmp_path):
 
     monkeypatch.setattr(inspection, "examine", examine)
     assert inspection.report(tmp_path) == {"large": True}
+
+
+def test_a_model_is_looked_at_whatever_encoding_python_is_told_to_print_in(
+    monkeypatch,
+):
+    monkeypatch.setenv("PYTHONIOENCODING", "utf-16")
+    inspect_model(FOLDER / "hexapod.xml")

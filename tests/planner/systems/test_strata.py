@@ -221,3 +221,11 @@ def test_functions_that_vanish_nowhere_together_have_no_level_set():
     x, h = sp.symbols("x h")
     with pytest.raises(ValueError, match=r"found no configuration where h\*\*2 \+ 1"):
         _ = LevelSet((h**2 + 1,), (x, h)).points
+
+
+def test_fields_cannot_be_exchanged_behind_a_system_s_back():
+    system = hexapod()
+    with pytest.raises(TypeError, match="does not support item assignment"):
+        system.strata["1"]["g1_1"] = system.strata["1"]["g1_2"]
+    with pytest.raises(AttributeError):
+        system.strata.clear()

@@ -115,6 +115,12 @@ def test_what_is_no_log_is_refused_in_one_line(read, text, words):
         read(text)
 
 
+def test_a_folder_and_a_file_that_is_missing_are_no_logs(tmp_path):
+    for path in (tmp_path, tmp_path / "gone.csv"):
+        with pytest.raises(UsageError, match=f"no such log: {path}; check the path"):
+            read_log(path, JOINTS, LEGS)
+
+
 def test_digits_of_other_scripts_are_no_numbers(tmp_path):
     path = tmp_path / "log.csv"
     path.write_text("time,hip_1\n0,0\n1,\u0661\n", encoding="utf-8")

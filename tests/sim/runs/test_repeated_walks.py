@@ -6,7 +6,8 @@ from types import SimpleNamespace
 import pytest
 
 from sim import run_folder, simulation
-from sim.errors import SimulationError
+from sim.errors import SimulationError, UsageError
+from sim.folder import RunFolder
 from sim.pictures import run_film
 
 
@@ -98,3 +99,24 @@ def test_the_time_of_a_film_is_told_besides_that_of_the_walk(monkeypatch, tmp_pa
     assert run_folder.run(None, folder, look="paper").timing == timing
     assert kept == [("summary.json", {"timing": timing})]
     assert run_folder.run(None, folder).timing == timing | {"render": 0.0}
+
+
+def test_a_walk_that_is_refused_before_it_begins_leaves_no_folder(
+    monkeypatch, tmp_path
+):
+    folder = RunFolder(tmp_path / "walk")
+    folder.path.mkdir()
+
+    def simulate(*_, **__):
+        (folder.path / "scenario.toml").touch()
+        raise error
+
+    monkeypatch.setattr(run_folder, "simulate", simulate)
+    error = SimulationError("it fell", "t = 1 s", "walk slower")
+    with pytest.raises(SimulationError, match="walk slower; walk again"):
+        run_folder.run(None, folder)
+    assert folder.path.is_dir()
+    error = UsageError("too slow", "servos", "turn them faster")
+    with pytest.raises(UsageError):
+        run_folder.run(None, folder)
+    assert not folder.path.exists()

@@ -4,6 +4,7 @@ import pytest
 
 from sim.errors import UsageError
 from sim.scenarios import body_path
+from sim.scenarios.file import load_scenario
 from sim.scenarios.obstacles import decode
 
 BOX = {"kind": "box", "center": [0.5, 0.0], "size": [0.1, 0.2]}
@@ -99,3 +100,12 @@ def test_a_file_of_poses_has_a_hundred_thousand_rows_at_most(rows, taken, monkey
     else:
         with pytest.raises(ValueError, match="more than 100000 poses"):
             body_path._poses_in("")
+
+
+@pytest.mark.parametrize("part", ["path.goal", "geometry.kappa"])
+def test_a_part_and_the_whole_that_it_is_in_are_not_both_given(part):
+    """One would replace the other, in silence."""
+    whole = part.partition(".")[0]
+    for keys in ((part, whole), (whole, part)):
+        with pytest.raises(UsageError, match=f"{part} and {whole} are both given: "):
+            load_scenario("line", dict.fromkeys(keys, {"kind": "line"}))
