@@ -82,8 +82,7 @@ def load(
 def _variant(robot: Robot, geometry: Mapping[str, float]) -> Robot:
     """A shipped robot with other numbers of its shape."""
     if not robot.is_shipped:
-        what = f"geometry {', '.join(geometry)} of a robot of your own: {robot.path}"
-        raise ModelError(f"{what}; change its file, or take a shipped robot")
+        raise ModelError(message("own", keys=", ".join(geometry), path=robot.path))
     try:
         shape = reshaped(robot.name, geometry)
     except ValueError as error:

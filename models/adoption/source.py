@@ -21,7 +21,7 @@ import mujoco
 from models.adoption.words import guess, refusal
 from models.description.compiled import named, one_line, read_spec
 from models.description.inspection import inspect_model
-from models.errors import ModelError, UnknownRobotError
+from models.errors import ModelError, UnknownRobotError, message
 from planner.support import read_file
 
 FREE = re.compile(r"<freejoint|type=\"free\"")
@@ -89,10 +89,9 @@ def source_of(name: str, allow_external: bool = False) -> Source:
     path = Path(name)
     if path.is_dir():
         path = _in_folder(path)
-    if not path.is_file() or path.suffix.lower() not in (".xml", ".urdf"):
-        remedy = "give an MJCF or URDF file, or a folder with one"
-        raise UnknownRobotError(f"no such robot: {path}; {remedy}")
-    if path.suffix.lower() != ".urdf":
+    if not path.is_file() or path.suffix not in (".xml", ".urdf"):
+        raise UnknownRobotError(message("no_robot", path=path))
+    if path.suffix != ".urdf":
         inspect_model(path, (), allow_external)
         return Source(path, path, None)
     given = read_file(path).decode(errors="replace")
@@ -120,10 +119,7 @@ def _in_folder(folder: Path) -> Path:
     for path in files:
         if path.is_file() and FREE.search(read_file(path).decode(errors="replace")):
             return path
-    raise UnknownRobotError(
-        f"no MJCF file with a free joint, of {len(files)} in all: {folder}; name the "
-        "file of the robot itself"
-    )
+    raise UnknownRobotError(message("no_free", count=len(files), folder=folder))
 
 
 def _in_package(folder: Path, name: re.Match[str]) -> str:

@@ -18,7 +18,7 @@ from typing import Any, cast, get_type_hints
 import sympy as sp
 
 from models.description.table import Table, parse_toml
-from models.errors import ProblemError
+from models.errors import ProblemError, message
 from models.systems import legged, smooth
 from models.systems.problem import Problem, Words
 from planner import PlannerError, StratifiedSystem
@@ -245,8 +245,7 @@ def _system(
     def column(field: str, rates: object) -> list[sp.Expr]:
         what = f"field {field}"
         if not isinstance(rates, dict):
-            like = f"as in {{ {names[0]} = 1 }}"
-            raise ValueError(f"{what} is {rates!r}; give rates, {like}")
+            raise ValueError(message("no_rates", what=what, rates=rates, name=names[0]))
         for name in rates:
             if name not in names:
                 raise ValueError(f"{what} moves {name}, which {unknown(name, names)}")

@@ -200,8 +200,7 @@ def _extended(
     system, trees = on_bottom(system, trees)
     names = tuple(map(name_of, trees))
     if not names:
-        remedy = "choose fields that span the bottom stratum (Def. 3)"
-        raise ValueError(f"no elements; {remedy}")
+        raise ValueError(message("no_elements"))
     columns = [column(tree, system) for tree in trees]
     zeros = vanishing(columns, system.state)
     for name, tree, zero in zip(names, trees, zeros, strict=True):

@@ -29,6 +29,7 @@ from planner.planning.paths import Path, as_path
 from planner.support.stopping import tick
 from planner.systems.elements import parse
 from planner.systems.flows import Flow, contact_switches, require_flows, visits
+from planner.systems.formulas import HUGE
 from planner.systems.strata import StratifiedSystem
 
 SHOWN = 3  # segments of a plan in words, before its last one
@@ -94,7 +95,7 @@ class Plan:
             ("hall_coordinates", self.hall_coordinates, (segments, len(self.basis))),
             ("inputs", self.inputs, (segments, *nodes, len(self.elements))),
         ):
-            if value.shape != shape or not np.isfinite(value).all():
+            if value.shape != shape or not (abs(value) < HUGE).all():
                 facts = {"name": name, "shape": value.shape, "wanted": shape}
                 raise ValueError(message("should_be", **facts))
 

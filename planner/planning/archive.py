@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from planner.errors import StratumError
+from planner.errors import StratumError, message
 from planner.planning.algorithm import Plan
 from planner.support.files import read_file, whole_file
 from planner.systems.fields import NumericField
@@ -114,8 +114,7 @@ def load_plan(path: Path | str) -> Plan:
     try:
         table = json.loads(read_file(path, MOST_BYTES))
     except (ValueError, RecursionError):
-        remedy = "give a file that a plan was saved to"
-        raise ValueError(f"{path} is not JSON; {remedy}") from None
+        raise ValueError(message("not_json", path=path)) from None
     if not isinstance(table, dict) or table.get("format") != FORMAT:
         raise ValueError(f"{path} is not a plan of the format {FORMAT!r}; save it anew")
     try:

@@ -18,7 +18,7 @@ from math import inf
 import numpy as np
 from numpy.typing import ArrayLike
 
-from planner.errors import BudgetError, PlannerError
+from planner.errors import BudgetError, PlannerError, message
 from planner.execution.execution import CHOICES, Execution
 from planner.extension.bracket_fields import hall_fields
 from planner.extension.extended import ExtendedSystem
@@ -95,8 +95,7 @@ def critical_step(
     way = np.asarray(direction, dtype=float)
     size = float(steps.system.length(way))
     if not 0.0 < size < inf:
-        wanted = "give one that is finite and not zero"
-        raise ValueError(f"the direction has length {size:g}; {wanted}")
+        raise ValueError(message("no_direction", size=size))
     ray = way / size
     sample(line(steps.start, steps.start + ray), steps.system, 1, 2)  # on the bottom
     return steps.critical(ray, min(within, LONGEST))

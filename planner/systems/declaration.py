@@ -50,8 +50,7 @@ def checked_strata(
 ) -> dict[str, dict[str, VectorField]]:
     """Fields of each stratum as immutable columns, or as numeric fields."""
     if not strata or not any(strata.values()):
-        remedy = "give at least one stratum with one field"
-        raise ValueError(f"strata hold no fields; {remedy}")
+        raise ValueError(message("no_fields"))
     checked: dict[str, dict[str, VectorField]] = {}
     owner: dict[str, str] = {}
     for stratum, fields in strata.items():
@@ -148,8 +147,7 @@ def checked_level_sets(
         for f in functions:
             slopes = LevelSet((f,), state).differential
             if slopes.atoms(sp.Derivative) - f.atoms(sp.Derivative):
-                remedy = "give a smooth function"
-                raise ValueError(f"{what}, {f}, has no derivative (Def. 1); {remedy}")
+                raise ValueError(message("not_smooth", what=what, function=f))
         level_set, count = LevelSet(functions, state), len(functions)
         if functions and level_set.differential.rank() < count:
             what = f"level sets of S{stratum} are not independent"

@@ -45,8 +45,7 @@ def parse_names(text: str) -> Tree:
     stream = iter(tokens)
     tree = _read(stream, text)
     if next(stream, None) is not None:
-        remedy = "write a field or [a,b]"
-        raise ValueError(f"element {text!r} goes on after its end; {remedy}")
+        raise ValueError(message("goes_on", text=text))
     return tree
 
 

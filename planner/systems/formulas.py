@@ -37,6 +37,8 @@ def read_formula(
     the symbols in `names` and the names of `values`. Raises `ValueError` if it is no
     such formula, is too long, or has a number that is too large.
     """
+    if isinstance(text, bool):
+        raise ValueError(f"{text} is neither a number nor a formula")
     if isinstance(text, (int, float)):
         return sp.sympify(text)
     if (n := len(text)) > LONGEST_FORMULA:

@@ -21,6 +21,7 @@ from sim.scenarios.declaration import read, words as words_of
 from sim.scenarios.settings import SETTINGS
 
 OPTIONS = ("-h", "--help", "--version")  # that need no command
+ONE_VALUE = (argparse._StoreAction, argparse.BooleanOptionalAction)
 PLACE = "stratawalk"
 SWEPT = "for a sweep, list values in a file under [grid], as docs/sweeps.md shows"
 
@@ -56,10 +57,15 @@ class Parser(argparse.ArgumentParser):
         """Parse, and refuse what no command line of this command has."""
         own = [name for action in self._actions for name in action.option_strings]
         words = list(args or ()) if self._subparsers is None else []
-        options = takewhile("--".__ne__, words)
+        options = list(takewhile("--".__ne__, words))
         for place, word in enumerate(options):  # before what is missing is asked for
             if word.startswith("--") and word.partition("=")[0] not in own:
                 _refuse_option(word, words[place + 1 :], self.prog, own)
+        names = [word.partition("=")[0] for word in options]
+        for action in self._actions:  # the last of two values would count
+            twice = sum(name in action.option_strings for name in names) > 1
+            if twice and type(action) in ONE_VALUE:
+                raise UsageError.of("twice", self.prog, key=action.option_strings[-1])
         given, rest = super().parse_known_args(args, namespace)
         for begun in getattr(given, "set", ()):
             if begun.startswith("goal="):

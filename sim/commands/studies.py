@@ -31,6 +31,7 @@ from sim.sweeps.table import write_table
 from sim.templates import render
 
 PRINTED = 5  # reasons of failed points, at most
+ADDRESS = r"((tcp|tls|ws)://)?[^/]+:(\d{1,4}|[1-5]\d{4}|6[0-5]\d{3})"  # of a scheduler
 MOST_DESIGNS = 10**6  # some 7 hours; 8 legs have 144,088, 12 legs 259 million
 
 
@@ -43,7 +44,7 @@ def sweep(options: argparse.Namespace) -> ExitCode:
     workers, scheduler = options.workers, options.scheduler
     if workers and scheduler is not None:
         raise UsageError.of("own_workers", "--workers and --scheduler")
-    if scheduler is not None and not re.search(r":\d+$", scheduler):
+    if scheduler is not None and not re.fullmatch(ADDRESS, scheduler):
         raise UsageError("an address without a port", scheduler, "give tcp://HOST:PORT")
     workers = workers or len(os.sched_getaffinity(0))
     with cli.working(options, "checking points"):

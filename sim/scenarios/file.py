@@ -23,6 +23,7 @@ from sim.scenarios.settings import FORMER, SETTINGS
 
 Values = dict[str, Any]  # a table of plain values, by key
 KEYS = (*SETTINGS, "path", "obstacles")
+OF_SWEEPS = {"scenario", "grid", "list", "sobol", "keep"}
 CALLED = {"mu": "friction", "goal": "path", "speed": "swing_speed"}  # other words
 TABLES = {name for name, item in SETTINGS.items() if item.includes(Mapping)}
 FOLDER = Path(str(files("sim.scenarios")))
@@ -99,10 +100,10 @@ def scenario_from(
         values.pop("description", None)
     if "state" in values or "strata" in values:
         raise UsageError.of("a_system", where)
+    if values.keys() & OF_SWEEPS:
+        on = command("sweep", where, "--out", f"sweeps/{Path(where).stem}")
+        raise UsageError("a sweep and no scenario", where, on)
     for key in values:
-        if key == "scenario":
-            on = command("sweep", where, "--out", f"sweeps/{Path(where).stem}")
-            raise UsageError("a sweep and no scenario", where, on)
         if key not in KEYS:
             near = did_you_mean(CALLED.get(key, key), KEYS)
             raise UsageError(f"unknown key {key!r}", where, near)

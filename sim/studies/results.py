@@ -79,7 +79,7 @@ class Results:
 
     @cached_property
     def classes(self) -> Array:
-        """Index of each point's class among `CLASSES`, shape (N,)."""
+        """Index of each point's class, in the order of `counts`, shape (N,)."""
         found = np.searchsorted(self.limits, np.nan_to_num(self.off, nan=np.inf))
         words = self.columns.get("verdict", [None] * len(self))
         fell = np.array([word == "fell" for word in words])

@@ -81,6 +81,11 @@ def test_files_that_are_no_plans_are_refused(tmp_path, text, message):
         ({"nominal": [[0, 0]]}, r"nominal of shape \(1, 2\) should be \(2, 5\) finite"),
         ({"nominal": [[float("nan")] * 5] * 2}, "nominal of shape .* finite numbers"),
         ({"nominal": "home"}, "nominal of shape"),
+        ({"nominal": [[1e308] * 5] * 2}, "nominal of shape .* finite numbers"),
+        (
+            {"system": {"state": ["x"], "bottom": "0", "strata": {"0": {"g": [True]}}}},
+            "True is neither a number nor a formula",
+        ),
         ({"inputs": 5}, r"inputs of shape \(\) should be \(1, 5\) finite numbers"),
         ({"hall_coordinates": [[0, 0]]}, "hall_coordinates of shape"),
         ({"elements": 5}, "is damaged: "),

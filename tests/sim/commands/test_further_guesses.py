@@ -18,6 +18,8 @@ from sim.cli import main
         ("run --gait 12 1 12 2 ellipse", "stratawalk run ellipse --gait 12 1 12 2"),
         ("run --gait 12 1 my.toml", "stratawalk run my.toml --gait 12 1"),
         ("run --segments 3", "stratawalk run line --segments 3"),
+        ("run line --segments 2 --segments=3", "--segments is given twice: stratawalk"),
+        ("run line --video --no-video", "--no-video is given twice: stratawalk run"),
         ("run line --slow", "write --set swing_speed=0.2"),
         ("run line --rotate 90", "write --set 'path.goal=[0, 0, 0.3]', in radians"),
         ("run line --dof 3", "stratawalk robots lists them"),

@@ -194,12 +194,17 @@ def test_run_folders_are_of_points_that_there_are(tmp_path, keep, said):
     assert read_sweep(str(path)).filmed is True
 
 
-def test_an_address_without_a_port_is_refused_before_anything_is_made(tmp_path, capsys):
+@pytest.mark.parametrize(
+    "address", ["x", "foo://127.0.0.1:8786", "inproc://x:1", "tcp://127.0.0.1:99999"]
+)
+def test_an_address_without_a_port_is_refused_before_anything_is_made(
+    tmp_path, capsys, address
+):
     file = write_sweep(tmp_path, "[grid]\nfriction = [0.5]\n")
-    words = ("sweep", file, "--out", tmp_path / "o", "--scheduler", "x")
+    words = ("sweep", file, "--out", tmp_path / "o", "--scheduler", address)
     assert main(list(map(str, words))) == 2
     (line,) = told(capsys.readouterr().err)
-    assert line.endswith("an address without a port: x; give tcp://HOST:PORT")
+    assert line.endswith(f"without a port: {address}; give tcp://HOST:PORT")
     assert not (tmp_path / "o").exists()
 
 
