@@ -161,8 +161,9 @@ def test_the_joint_that_is_commanded_farthest_beyond_its_range_is_told(beyond):
     log = of_function(lambda t: {j: angle(t) for j, angle in asked.items()}, 1.0)
     told = within_reach(log, robot).done
     stops = f"stops at the end of its range, {low:.4g} to {high:.4g} rad"
-    line = f"swing_2 is commanded to {low - beyond:.4g} rad at 1 s and {stops}; give "
-    assert [*told] == [line + "--units where these are no radians"] * (beyond > 1e-3)
+    line = f"swing_2 is commanded to {low - beyond:.4g} rad at 1 s and {stops}; "
+    line += "give the right --units where these are no radians"
+    assert [*told] == [line] * (beyond > 1e-3)
 
 
 def test_a_joint_without_limits_has_none_to_be_beyond():

@@ -30,7 +30,8 @@ MOST_STEPS = 1_000_000_000  # of physics: eight hours at 35,000 a second
 def test_billions_of_steps_are_refused_with_a_setting_before_the_first(
     tmp_path, scenario, changes, remedy, replan
 ):
-    folder = RunFolder(tmp_path)
+    folder = RunFolder(tmp_path / "walk")
+    folder.path.mkdir()
     with pytest.raises(UsageError, match=r"^\d+(,\d+){3,} physics steps") as refusal:
         run(scenario(replan=replan, **changes), folder)
     assert refusal.value.remedy.startswith(remedy)
