@@ -122,7 +122,7 @@ def run(
     A film has a look; without one no GL is needed. Comparisons can be left out as in
     `simulate`. A line warns of what could not be written though the run is complete.
     """
-    writer = Writer(folder)
+    writer, own = Writer(folder), not any(folder.path.iterdir())
     try:
         simulation = simulate(
             scenario,
@@ -133,7 +133,8 @@ def run(
             log=log,
         )
     except UsageError:  # which comes before anything is walked
-        shutil.rmtree(folder.path, ignore_errors=True)
+        if own:
+            shutil.rmtree(folder.path, ignore_errors=True)
         raise
     except SimulationError as error:
         again = folder.path / "scenario.toml"

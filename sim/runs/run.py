@@ -280,6 +280,8 @@ def read_run(folder: Path, *, inspected: bool = False) -> Run:
 def _require_one_walk(run: Run) -> None:
     """Refuse files that are of different walks, with a ValueError."""
     flows.require_known(run.phases, run.card)
+    if "ctrl" not in [*run.commands]:
+        raise KeyError("ctrl in commands.npz")
     clock, end = run.commands["time"], run.time[-1]
     ends = end - clock[-1] - np.diff(clock).max(initial=0.0), end - run.phases[-1].end
     achieved, began = run.summary.achieved, run.summary.walk_starts - SAME

@@ -166,6 +166,11 @@ DAMAGES = {
         arrays(lambda kept: kept.update(ctrl=kept["ctrl"] * np.nan)),
         "view export",
     ),
+    "no commands": (
+        "commands.npz",
+        arrays(lambda kept: kept.pop("ctrl")),
+        "view export show",
+    ),
     "a number for commands": (
         "commands.npz",
         arrays(lambda kept: kept.update(ctrl=np.array(1.0))),

@@ -117,6 +117,10 @@ def test_a_walk_that_is_refused_before_it_begins_leaves_no_folder(
         run_folder.run(None, folder)
     assert folder.path.is_dir()
     error = UsageError("too slow", "servos", "turn them faster")
+    with pytest.raises(UsageError):  # what lies there may be anybody's
+        run_folder.run(None, folder)
+    assert folder.path.is_dir()
+    (folder.path / "scenario.toml").unlink()
     with pytest.raises(UsageError):
         run_folder.run(None, folder)
     assert not folder.path.exists()
