@@ -27,7 +27,6 @@ from planner.support import read_file
 FREE = re.compile(r"<freejoint|type=\"free\"")
 COMMENT = re.compile("<!--.*?-->", re.S)
 PACKAGE = r'package://([^/"]+)/([^"]+)'
-NAMED = r"<{}\b[^>]*?\s{}\s*=\s*[\"']([^\"']+)"  # an element by an attribute
 FILE = "file://"
 PARENTS = 4  # folders above a URDF in which its packages are looked for
 ROOT = "adopted_world"  # link that a URDF's base floats in
@@ -134,15 +133,21 @@ def _in_package(folder: Path, name: re.Match[str]) -> str:
 
 def _from_urdf(path: Path, text: str) -> str:
     """MJCF of a URDF whose base floats, its parts named."""
-    links = re.findall(NAMED.format("link", "name"), text)
-    children = set(re.findall(NAMED.format("child", "link"), text))
-    bases = [link for link in links if link not in children]
-    if not bases or "</robot" not in text:
-        raise refusal("bases", path, count=len(bases))
+    try:
+        robot = ET.fromstring(text)
+    except ET.ParseError as error:
+        raise refusal("no_xml", path, why=error) from None
+    children = {child.get("link") for child in robot.iterfind("joint/child")}
+    links = (str(link.get("name")) for link in robot.iterfind("link"))
+    if not (bases := [name for name in links if name not in children]):
+        raise refusal("bases", path)
+    if bases[0] == "world":
+        raise refusal("world", path)
     joined = text.replace("</robot", FLOATING.format(base=bases[0]) + "</robot")
     with one_line(f"not a usable URDF file: {path}"):
         spec = mujoco.MjSpec.from_string(joined)
         own, spec.meshdir = spec.meshdir, str(path.parent / spec.meshdir)
+        spec.compiler.fusestatic = True  # without which the link that we add has a body
         for joint in spec.joints:  # the compiler would take these limits for none
             low, high = joint.range
             if low > high or low == high != 0:
@@ -179,11 +184,14 @@ def with_shapes(path: Path, given: str, text: str) -> tuple[str, tuple[str, ...]
         for visual in robot.iterfind("link/visual"):
             visual.tag = "collision"
             notes = (guess("drawn"),)
+    compiler = robot.find("mujoco/compiler")
+    folder = path.parent / ("" if compiler is None else compiler.get("meshdir", ""))
     names = [str(mesh.get("filename")) for mesh in written.iter("mesh")]
     absent = {
         id(mesh): name
         for mesh, name in zip(robot.iter("mesh"), names, strict=True)
-        if not os.path.exists(path.parent / mesh.get("filename", "").removeprefix(FILE))
+        for file in (Path(mesh.get("filename", "").removeprefix(FILE)),)
+        if not any(os.path.exists(folder / one) for one in (file, file.name))
     }
     if not absent:
         return ET.tostring(robot, encoding="unicode") if notes else text, notes

@@ -193,8 +193,7 @@ class Card:
                 facts = {"unknown": unknown[0], "known": ", ".join(self.groups)}
                 raise ValueError(message("no_group", what=what, **facts))
             if stratum != (ordered := "".join(g for g in self.groups if g in stratum)):
-                order = f"once each and in their order, {ordered!r}"
-                raise ValueError(f"{what} must name its groups {order}")
+                raise ValueError(message("order", what=what, ordered=ordered))
             if not stratum:
                 raise ValueError("gait: a stratum is empty, with no foot on the ground")
 

@@ -13,7 +13,7 @@ from functools import cache
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from planner.errors import ConvergenceError, point
+from planner.errors import ConvergenceError, message, point
 from planner.numerics.arrays import Array
 from planner.support.stopping import tick
 
@@ -63,10 +63,7 @@ def follow(field: Callable[[Array], Array], x: Array, duration: float) -> Array:
     starts, durations = np.asarray(x, dtype=float)[None], np.array([duration])
     (end,) = follow_all(field, starts, durations)
     if not np.isfinite(end).all():
-        raise ConvergenceError(
-            f"flow for {duration:.6g} from {point(x)} does not converge; it "
-            "escapes or is not smooth: make it shorter"
-        )
+        raise ConvergenceError(message("escapes", duration=duration, start=point(x)))
     return end
 
 

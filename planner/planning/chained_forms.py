@@ -189,11 +189,8 @@ class ChainedForm:
         return replace(planned, system=self.system, nominal=np.array(nominal))
 
     def _separated(self, start: Array, goal: Array) -> PlannerError:
-        return PlannerError(
-            f"flows of the chained form do not lead from {self._named(start)} to "
-            f"{self._named(goal)}: its singularities lie between, or words swing too "
-            "far; plan with elements, or by way of other states"
-        )
+        ends = {"start": self._named(start), "goal": self._named(goal)}
+        return PlannerError(message("separated", **ends))
 
     def _named(self, x: Array) -> str:
         """A configuration by the names of its coordinates."""

@@ -212,8 +212,4 @@ def _missed(extended: ExtendedSystem, samples: Array, inputs: Array) -> Array:
 
 
 def _refusal(x: Array, node: int) -> str:
-    return (
-        f"between {point(x[node])} and {point(x[node + 1])} the elements lose rank or "
-        "are singular (Def. 3), or the path turns too fast to be followed; keep it "
-        "away from there, add fields or brackets, or plan more segments"
-    )
+    return message("singular_between", start=point(x[node]), end=point(x[node + 1]))

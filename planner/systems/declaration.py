@@ -36,8 +36,7 @@ def checked_state(state: Iterable[str | sp.Symbol]) -> Symbols:
     names = [str(s) for s in symbols]
     for s, name in zip(symbols, names, strict=True):
         if not isinstance(s, sp.Symbol) or not NAME.fullmatch(name):
-            remedy = "use letters, digits, _"
-            raise ValueError(f"state has {name}, which is not a name; {remedy}")
+            raise ValueError(message("no_name", name=name))
         if name in RESERVED:
             raise ValueError(f"state has {name}, which formulas use; rename it")
         if names.count(name) > 1:

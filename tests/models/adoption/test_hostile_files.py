@@ -103,6 +103,51 @@ def test_limits_the_wrong_way_round_are_refused(tmp_path):
             source_of(str(path))
 
 
+OTHERS = {
+    "links of simulators": '<gazebo><plugin><link name="g"/></plugin></gazebo>',
+    "links that are not merged": '<mujoco><compiler fusestatic="false"/></mujoco>',
+}
+
+
+@pytest.mark.parametrize("more", OTHERS.values(), ids=OTHERS)
+def test_what_others_write_into_a_urdf_changes_nothing(tmp_path, more):
+    path = next(one for one in ADOPTEES if one.name == "box").write(tmp_path)
+    own, text = source_of(str(path)).text, path.read_text()
+    path.write_text(text.replace('<robot name="box">', f'<robot name="box">{more}'))
+    assert source_of(str(path)).text == own
+
+
+def test_a_robot_that_is_fixed_to_the_ground_is_refused(tmp_path):
+    path = next(one for one in ADOPTEES if one.name == "box").write(tmp_path)
+    fixed = '<link name="world"/><joint name="f" type="fixed"><parent link="world"/>'
+    text = path.read_text().replace(
+        '<robot name="box">',
+        f'<robot name="box">{fixed}<child link="trunk"/></joint>',
+    )
+    path.write_text(text)
+    with pytest.raises(ModelError, match="the link 'world', which is the ground: "):
+        source_of(str(path))
+
+
+@pytest.mark.parametrize(
+    ("file", "compiler"),
+    [
+        ("near.obj", 'meshdir="meshes"'),
+        ("any/near.obj", 'meshdir="meshes" strippath="true"'),
+    ],
+)
+def test_meshes_are_found_where_the_compiler_looks_for_them(urdf, file, compiler):
+    path = urdf(file)
+    folder = path.parent / "meshes"
+    folder.mkdir()
+    (path.parent / "near.obj").rename(folder / "near.obj")
+    text = path.read_text()
+    path.write_text(text.replace('strippath="false"', compiler))
+    found = source_of(str(path))
+    assert found.notes == ()
+    assert 'meshdir="meshes"' in found.text
+
+
 def test_a_folder_is_not_searched_beyond_what_is_read(tmp_path):
     with (tmp_path / "a.xml").open("w") as file:
         file.truncate(10**12)
