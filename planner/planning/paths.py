@@ -212,7 +212,9 @@ def formula_curve(formulas: Mapping[str, object]) -> tuple[Path, float]:
         raise ValueError("all poses are the same; let x, y or yaw change with s")
     _require_continuous(at, places, poses)
     chords = float(np.hypot(*np.diff(poses[:, :2], axis=0).T).sum())  # if slopes hide
-    arc = _arc_length(lambda t: np.hypot(*(f(t) for f in rate)), [0.0, 1.0])
+    with np.errstate(all="ignore"):  # slopes may be infinite or undefined somewhere
+        arc = _arc_length(lambda t: np.hypot(*(f(t) for f in rate)), [0.0, 1.0])
+    arc = arc if arc < np.inf else 0.0
     return Path(at), max(arc, chords * (1 - ARC_PRECISION))
 
 
@@ -251,5 +253,5 @@ def table_curve(poses: Sequence[Sequence[float]]) -> tuple[Path, float]:
 def _arc_length(speed: Callable[[float], float], cuts: Sequence[float]) -> float:
     from scipy.integrate import quad
 
-    options = {"epsabs": 0.0, "epsrel": ARC_PRECISION, "limit": 500}
+    options = {"epsabs": 0.0, "epsrel": ARC_PRECISION, "limit": 500, "full_output": 1}
     return float(sum(quad(speed, a, b, **options)[0] for a, b in pairwise(cuts)))

@@ -69,6 +69,8 @@ def test_curves_with_bends_or_steep_slopes_are_as_long_as_they_are():
     assert bent == pytest.approx(np.sqrt(5))
     _, steep = formula_curve({"x": "tanh(1e5*(s - 0.5005))"})
     assert steep == pytest.approx(2)
+    _, upright = formula_curve({"x": "sqrt(Abs(s - 0.5)) - sqrt(0.5)"})
+    assert upright == pytest.approx(np.sqrt(2))
 
 
 def test_a_table_s_curve_passes_its_poses_in_proportion_to_their_distances():
