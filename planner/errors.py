@@ -79,10 +79,7 @@ class SingularConfigurationError(PlannerError):
     """
 
     def __init__(self, name: str, configuration: Iterable[float]) -> None:
-        super().__init__(
-            f"{name} is not finite at {point(configuration)}; "
-            "keep the path away from this configuration"
-        )
+        super().__init__(message("infinite", name=name, at=point(configuration)))
 
 
 class FieldError(PlannerError):
@@ -247,7 +244,4 @@ class DecouplingError(PlannerError):
 
     def __init__(self, lift: str, field: str) -> None:
         self.lift, self.field = lift, field
-        super().__init__(
-            f"[{lift},{field}] does not vanish, so lifting changes what {field} does "
-            "(eq. 13); make the field independent of foot height (Assumption 2)"
-        )
+        super().__init__(message("coupled", lift=lift, field=field))

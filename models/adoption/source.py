@@ -143,6 +143,12 @@ def _from_urdf(path: Path, text: str) -> str:
         raise refusal("bases", path)
     if bases[0] == "world":
         raise refusal("world", path)
+    limited = {
+        joint.get("name")
+        for joint in robot.iterfind("joint")
+        for _ in joint.iterfind("limit[@lower][@upper]")
+        if joint.get("type") != "continuous"
+    }
     joined = text.replace("</robot", FLOATING.format(base=bases[0]) + "</robot")
     with one_line(f"not a usable URDF file: {path}"):
         spec = mujoco.MjSpec.from_string(joined)
@@ -150,7 +156,7 @@ def _from_urdf(path: Path, text: str) -> str:
         spec.compiler.fusestatic = True  # without which the link that we add has a body
         for joint in spec.joints:  # the compiler would take these limits for none
             low, high = joint.range
-            if low > high or low == high != 0:
+            if low >= high and joint.name in limited:
                 raise refusal("limits", path, joint=joint.name, low=low, high=high)
         spec.compile()
     named(spec)

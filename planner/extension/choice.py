@@ -206,10 +206,7 @@ def _explained(
         most = added[np.linalg.norm(added, axis=1).argmax()]  # where it adds most
         way = np.round(most / (np.abs(most).max() or 1.0), 3)
         adds = in_words(way, system.state) or "nothing but brackets"
-        reasons.append(
-            f"{candidate.name}: degree {candidate.degree}, {candidate.switches} "
-            f"contact switches, adds {adds}"
-        )
+        reasons.append(message("adds", element=candidate, adds=adds))
     plain = [candidate.measured(np.ones(x.shape[1])) for candidate in chosen]
     matrices = np.stack([candidate.columns for candidate in plain], axis=-1)
     singular = np.linalg.svd(matrices, compute_uv=False)

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from planner.messages import message
 from planner.numerics.arrays import Array
 from planner.optimisation.constraints import Margins, stage_function, whole_state
 from planner.optimisation.corridor import gaps
@@ -45,10 +46,7 @@ class Violations:
         ]
         if self.excess > 1.0:
             names = [f"deviates {self.excess - 1:.2%} more than allowed", *names]
-        return (
-            f"{' and '.join(names)} between the points where it was checked; give "
-            "larger tolerances, or ask for less"
-        )
+        return message("between_points", what=" and ".join(names))
 
 
 def _violating(excess: Array) -> Array:

@@ -91,9 +91,10 @@ def waypoints(points: Sequence[ArrayLike]) -> Path:
 def _by_length(points: Array) -> tuple[Array, Array]:
     """Points (k, n) without repetitions, and the share of the length at each, (k,)."""
     lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    points = points[np.append(True, lengths > 0)]
+    moved = lengths > 2 * np.finfo(float).eps * lengths.sum()
+    points = points[np.append(True, moved)]
     where = np.linspace(0.0, 1.0, len(points))
-    where[1:-1] = np.cumsum(lengths[lengths > 0])[:-1] / lengths.sum()
+    where[1:-1] = np.cumsum(lengths[moved])[:-1] / lengths.sum()
     return points, where
 
 

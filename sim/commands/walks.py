@@ -230,6 +230,8 @@ def _try(scenario: Scenario, robot: Robot, folder: RunFolder) -> Try:
     try:
         summary = run(scenario, folder, robot=robot, without=LEFT_OUT)
     except (StratawalkError, PlannerError) as error:
+        if getattr(error, "exit_code", None) is ExitCode.FILES:
+            raise  # a full disk is full for the next draw, too
         return Try(scenario.draw, one_line(error))
     found = {name: q.value(summary, row) for name, (q, row) in MEASURES.items()}
     weighed = summary.weighed

@@ -16,6 +16,7 @@ import numpy as np
 
 from models import Ground, Kinematics, Robot
 from planner import Array
+from sim.errors import message
 from sim.logs.feet import Posture, moved, posture
 from sim.logs.log import Log
 from sim.motion.poses import wrap
@@ -184,11 +185,8 @@ def within_reach(log: Log, robot: Robot) -> Log:
     if beyond[row, joint] <= BEYOND:
         return log
     angle, moment = log.commanded[row, joint], log.time[row]
-    line = (
-        f"{log.joints[joint]} is commanded to {angle:.4g} rad at {moment:.4g} s and "
-        f"stops at the end of its range, {low[joint]:.4g} to {high[joint]:.4g} rad; "
-        "give the right --units where these are no radians"
-    )
+    facts = {"joint": log.joints[joint], "low": low[joint], "high": high[joint]}
+    line = message("beyond", angle=angle, moment=moment, **facts)
     return replace(log, done=(*log.done, line))
 
 

@@ -32,6 +32,7 @@ from planner import (
 from planner.execution import Coordinates
 from planner.planning import Step, grid, plan_step, require_segments
 from planner.support import tick
+from sim.errors import message
 from sim.experiments.identification import twist_model
 from sim.motion.poses import compose, nearest_turn, relative
 from sim.preparation.setup import Setup
@@ -291,7 +292,5 @@ def unaimed(setup: Setup, what: str, miss: float) -> ConvergenceError:
     ways = f"give --segments {2 * scenario.segments}, or another --steer"
     if scenario.fields == "paper":
         ways = f"give --set fields=lifted, so that no foot has to drag, or {ways}"
-    return ConvergenceError(
-        f"{what} still misses its end by {1e3 * miss:.3g} mm or mrad, steered by the "
-        f"{scenario.steer} prediction; {ways}"
-    )
+    facts = {"what": what, "miss": 1e3 * miss, "steer": scenario.steer, "ways": ways}
+    return ConvergenceError(message("still_misses", **facts))

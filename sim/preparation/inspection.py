@@ -25,6 +25,7 @@ from models import (
 from models.adoption import servo_for
 from models.contact import lift_torques
 from models.description import actuator_of
+from sim.errors import message
 from sim.motion.stability import margin_at_rest
 from sim.physics.standing import check_standing
 from sim.preparation.reach import immobile, lift_angle
@@ -110,10 +111,7 @@ def _with_servos(robot: Robot) -> tuple[Robot, list[str]]:
     servo = servo_for(robot)
     settings = ", ".join(f"{key} = {x:.4g}" for key, x in servo.settings.items())
     names = ", ".join(map(repr, without[:3])) + (", ..." if without[3:] else "")
-    missing = (
-        f"servos: joints {names} have no position servo, and the card gives none; "
-        f"write [servo] with {settings}, with which it stands"
-    )
+    missing = message("no_servos", names=names, settings=settings)
     return replace(robot, card=replace(robot.card, servo=servo)), [missing]
 
 

@@ -20,7 +20,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
-from multiprocessing.forkserver import ensure_running
 from typing import Any
 
 from sim.errors import SweepError, UsageError, one_line
@@ -237,7 +236,7 @@ def open_pool(workers: int, scheduler: str | None) -> Iterator[WorkerPool]:
         logging.getLogger(name).setLevel(logging.CRITICAL)
     logging.getLogger("distributed").handlers[:] = [logging.NullHandler()]
     dask.config.set(QUIET)
-    get_mp_context().set_forkserver_preload([__name__])
+    get_mp_context().set_forkserver_preload(["sim.sweeps.muted", __name__])
     with ExitStack() as stack:
         local = _local(stack, workers) if scheduler is None else None
         at = scheduler if local is None else local
@@ -268,18 +267,17 @@ async def _greet(scheduler: str) -> None:
 def _local(stack: ExitStack, workers: int) -> LocalCluster:
     """A scheduler in this process, and workers that listen to this machine alone."""
     folder = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
-    with deaf([signal.SIGINT, signal.SIGHUP, signal.SIGXCPU]):  # meant for the sweep
-        ensure_running()  # which starts them
     try:
-        cluster = LocalCluster(
-            n_workers=workers,
-            threads_per_worker=1,
-            host="127.0.0.1",
-            dashboard_address=None,
-            memory_limit=0,
-            local_directory=stack.enter_context(folder),
-            silence_logs=logging.CRITICAL,
-        )
+        with deaf([signal.SIGXCPU]):  # a limit is for the sweep, not for its points
+            cluster = LocalCluster(
+                n_workers=workers,
+                threads_per_worker=1,
+                host="127.0.0.1",
+                dashboard_address=None,
+                memory_limit=0,
+                local_directory=stack.enter_context(folder),
+                silence_logs=logging.CRITICAL,
+            )
     except KeyboardInterrupt:
         atexit.unregister(close_clusters)  # which cannot close one half started
         raise

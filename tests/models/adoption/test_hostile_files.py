@@ -96,11 +96,16 @@ def test_limits_the_wrong_way_round_are_refused(tmp_path):
     """The engine would let such a joint turn freely."""
     path = next(one for one in ADOPTEES if one.name == "box").write(tmp_path)
     text = path.read_text()
-    for low, high in ((1.2, -1.2), (0.5, 0.5)):
+    for low, high in ((1.2, -1.2), (0.5, 0.5), (0, 0)):
         ends = f'lower="{low}" upper="{high}"'
         path.write_text(re.sub('lower="[^"]*" upper="[^"]*"', ends, text, count=1))
         with pytest.raises(ModelError, match=f"'yaw1' has limits from {low} to {high}"):
             source_of(str(path))
+    free = path.read_text().replace('type="revolute"', 'type="continuous"')
+    path.write_text(free)
+    assert source_of(str(path)).text
+    path.write_text(text.replace('lower="-1.2" upper="1.2"', ""))
+    assert source_of(str(path)).text
 
 
 OTHERS = {
@@ -184,7 +189,7 @@ def test_a_warning_of_the_engine_is_written_nowhere(urdf, capfd, monkeypatch):
     path.write_text(
         f'<robot name="r"><link name="a">{mass}</link><link name="b">{mass}</link>'
         '<joint name="j" type="revolute"><parent link="a"/><child link="b"/>'
-        '<limit lower="0" upper="0"/></joint></robot>'
+        '<limit lower="0"/></joint></robot>'
     )
     monkeypatch.chdir(path.parent)
     before = os.listdir()

@@ -97,6 +97,13 @@ def test_a_table_has_two_different_poses():
     assert length == pytest.approx(1.0)
 
 
+def test_steps_that_rounding_swallows_are_left_out():
+    poses = [[0, 0, 0], [0.001, 0, 0], [0.001, 1e-20, 0], [0.005, 0, 0]]
+    path, length = table_curve(poses)
+    assert length == pytest.approx(0.005)
+    assert len(waypoints(poses).corners) == 1
+
+
 def test_points_between_waypoints_lie_on_their_lines():
     points = np.array(
         [[0.0, 0.0, 1.0], [2.0, 0.0, 1.0], [2.0, 1.0, 3.0], [0.0, 1.0, 3.0]]

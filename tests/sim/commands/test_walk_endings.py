@@ -10,7 +10,7 @@ import pytest
 from sim import endings, run_folder
 from sim.commands import walks
 from sim.commands.walks import Try, judged_tries, tries_of, walk_tries
-from sim.errors import ExitCode, UsageError
+from sim.errors import ExitCode, FilesError, SimulationError, UsageError
 from sim.folder import RunFolder
 from sim.scenarios.file import load_scenario
 
@@ -54,6 +54,24 @@ def test_draws_that_are_kept_are_not_walked_again(interrupted):
     assert of(*given) == (
         f"3 of 4 draws are kept in {table}; {rest} --draw 8 --tries 1"
     )
+
+
+def test_a_full_disk_ends_all_draws(monkeypatch, tmp_path):
+    walked = []
+
+    def run(scenario, *_, **__):
+        walked.append(scenario.draw)
+        raise error
+
+    monkeypatch.setattr(run_folder, "run", run)
+    error = FilesError("the disk is full", "here", "make room")
+    given = LINE, None, RunFolder(tmp_path), range(3), lambda *_: None
+    with pytest.raises(FilesError):
+        walk_tries(*given)
+    assert walked == [0]
+    error = SimulationError("it fell", "t = 1 s", "walk slower")
+    (tmp_path / "draw-000").rmdir()
+    assert [one.draw for one in walk_tries(*given)] == [0, 1, 2]
 
 
 def test_draws_beyond_the_last_are_refused_before_a_folder_is_made(monkeypatch):

@@ -2,6 +2,8 @@
 
 import math
 import signal
+import subprocess
+import sys
 from contextlib import ExitStack, nullcontext
 
 import numpy as np
@@ -208,20 +210,29 @@ def test_an_address_without_a_port_is_refused_before_anything_is_made(
     assert not (tmp_path / "o").exists()
 
 
-def test_signals_that_end_a_sweep_are_blocked_in_its_workers_as_soon_as_they_begin(
+def test_a_limit_of_processor_time_is_for_the_sweep_and_not_for_its_workers(
     monkeypatch,
 ):
     masks = []
 
-    def begin():
+    def cluster(**given):
         masks.append(signal.pthread_sigmask(signal.SIG_BLOCK, []))
+        return nullcontext()
 
-    monkeypatch.setattr(worker_pool, "ensure_running", begin)
-    monkeypatch.setattr(worker_pool, "LocalCluster", lambda **given: nullcontext())
+    monkeypatch.setattr(worker_pool, "LocalCluster", cluster)
     with ExitStack() as stack:
         worker_pool._local(stack, 1)
-    assert masks == [{signal.SIGINT, signal.SIGHUP, signal.SIGXCPU}]
+    assert masks[0] == {signal.SIGXCPU}
     assert signal.pthread_sigmask(signal.SIG_BLOCK, []) == set()
+
+
+def test_a_process_that_workers_are_forked_from_complains_to_nobody():
+    """In a program that only names it nothing is muted."""
+    begin = "import sys, sim.sweeps.muted; print('complaint', file=sys.stderr)"
+    words = {"import multiprocessing.forkserver; ": "", "": "complaint\n"}
+    for head, said in words.items():
+        done = subprocess.run([sys.executable, "-c", head + begin], capture_output=True)
+        assert done.stderr.decode() == said
 
 
 def test_a_full_disk_is_told_what_a_table_of_many_columns_takes(tmp_path, monkeypatch):
