@@ -180,7 +180,6 @@ def listening(address):
     [
         ("tcp://127.0.0.1:9", "after 1 s"),
         ("tls://127.0.0.1:9", "got None"),
-        ("http://evil:80", "'wss'])"),
     ],
 )
 def test_a_scheduler_that_does_not_answer_is_refused(
