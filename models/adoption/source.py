@@ -25,18 +25,10 @@ from models.errors import ModelError, UnknownRobotError, message
 from planner.support import read_file
 
 FREE = re.compile(r"<freejoint|type=\"free\"")
-COMMENT = re.compile("<!--.*?-->", re.S)
 PACKAGE = r'package://([^/"]+)/([^"]+)'
 FILE = "file://"
 PARENTS = 4  # folders above a URDF in which its packages are looked for
 ROOT = "adopted_world"  # link that a URDF's base floats in
-FLOATING = f"""
-  <link name="{ROOT}"/>
-  <joint name="floating_base" type="floating">
-    <parent link="{ROOT}"/>
-    <child link="{{base}}"/>
-  </joint>
-"""
 
 
 @dataclass(frozen=True)
@@ -94,7 +86,6 @@ def source_of(name: str, allow_external: bool = False) -> Source:
         inspect_model(path, (), allow_external)
         return Source(path, path, None)
     given = read_file(path).decode(errors="replace")
-    given = COMMENT.sub(lambda comment: "\n" * comment[0].count("\n"), given)
     found = re.sub(PACKAGE, lambda name: _in_package(path.parent, name), given)
     drawn, notes = with_shapes(path, given, found)
     if drawn == given:
@@ -149,9 +140,12 @@ def _from_urdf(path: Path, text: str) -> str:
         for _ in joint.iterfind("limit[@lower][@upper]")
         if joint.get("type") != "continuous"
     }
-    joined = text.replace("</robot", FLOATING.format(base=bases[0]) + "</robot")
+    ET.SubElement(robot, "link", name=ROOT)
+    floats = ET.SubElement(robot, "joint", name="floating_base", type="floating")
+    ET.SubElement(floats, "parent", link=ROOT)
+    ET.SubElement(floats, "child", link=bases[0])
     with one_line(f"not a usable URDF file: {path}"):
-        spec = mujoco.MjSpec.from_string(joined)
+        spec = mujoco.MjSpec.from_string(ET.tostring(robot, encoding="unicode"))
         own, spec.meshdir = spec.meshdir, str(path.parent / spec.meshdir)
         spec.compiler.fusestatic = True  # without which the link that we add has a body
         for joint in spec.joints:  # the compiler would take these limits for none
@@ -176,7 +170,7 @@ def with_shapes(path: Path, given: str, text: str) -> tuple[str, tuple[str, ...]
 
     The text is what was given, with the files of packages found.
     """
-    if "<!" in text:  # no entities
+    if "<!" in text.replace("<!--", ""):  # no entities
         return text, ()
     try:
         robot, written = ET.fromstring(text), ET.fromstring(given)

@@ -108,6 +108,13 @@ def test_limits_the_wrong_way_round_are_refused(tmp_path):
     assert source_of(str(path)).text
 
 
+def test_a_base_may_have_any_name(tmp_path):
+    path = next(one for one in ADOPTEES if one.name == "box").write(tmp_path)
+    own, text = source_of(str(path)).text, path.read_text()
+    path.write_text(text.replace('"trunk"', '"a&quot;b &amp;c"'))
+    assert source_of(str(path)).text == own.replace("trunk", "a&quot;b &amp;c")
+
+
 OTHERS = {
     "links of simulators": '<gazebo><plugin><link name="g"/></plugin></gazebo>',
     "links that are not merged": '<mujoco><compiler fusestatic="false"/></mujoco>',
