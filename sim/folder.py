@@ -31,6 +31,7 @@ class RunFolder:
     """
 
     path: Path
+    parents: tuple[Path, ...] = ()  # that were made for it, the innermost first
 
     def write_text(self, name: str, text: str) -> None:
         """Write a text file."""
@@ -79,9 +80,10 @@ class RunFolder:
             return RunFolder(_make(self.path / name))
 
     def discard_if_empty(self) -> None:
-        """Remove the folder if nothing was written to it."""
-        with suppress(OSError):
-            self.path.rmdir()
+        """Remove the folder if nothing was written to it, and what was made for it."""
+        for path in (self.path, *self.parents):
+            with suppress(OSError):
+                path.rmdir()
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,6 +129,8 @@ def claim(folder: Path | None, scenario: str) -> RunFolder:
 
     A folder that exists is a UsageError, one that cannot be written a FilesError.
     """
+    wanted = folder or Path("runs", scenario)
+    parents = tuple(p for p in wanted.parents if not os.path.exists(p))
     try:
         made = _make(folder) if folder else _next_free(Path("runs"), scenario)
     except OSError as error:
@@ -135,7 +139,7 @@ def claim(folder: Path | None, scenario: str) -> RunFolder:
             raise UsageError("already exists", where, remedy) from error
         reason, where = f"cannot make the run folder, {error.strerror}", error.filename
         raise FilesError(reason, str(where), "choose another with --out") from error
-    claimed = RunFolder(made)
+    claimed = RunFolder(made, parents)
     try:
         claimed.write_text(".writable", "\n")
         (made / ".writable").unlink()

@@ -12,13 +12,9 @@ import numpy as np
 from models.adoption.words import refusal
 from models.checks import STEEP, UNEVEN_FEET
 from models.contact.kinematics import Kinematics, find_sole
+from models.description.actuators import position_servos_of, span_of
 from models.description.card import Servo
-from models.description.compiled import (
-    actuators_of,
-    is_position_servo,
-    joints_above,
-    levelled,
-)
+from models.description.compiled import joints_above, levelled
 from models.description.robot import Robot
 from models.errors import ModelError
 from planner import Array
@@ -75,11 +71,8 @@ class Pose:
         return float(self.data.joint(joint).qpos[0])
 
     def span(self, joint: str) -> tuple[float, float]:
-        """Range of a hinge [rad]; half a turn either way where it has none."""
-        index = self.model.joint(joint).id
-        if not self.model.jnt_limited[index]:
-            return -np.pi / 2, np.pi / 2
-        low, high = np.clip(self.model.jnt_range[index], -FARTHEST, FARTHEST)
+        """Range of a hinge and its servos [rad]; a quarter turn where it has none."""
+        low, high = np.clip(span_of(self.model, joint, np.pi / 2), -FARTHEST, FARTHEST)
         return float(low), float(high)
 
     @property
@@ -175,11 +168,13 @@ def standing_angles(pose: Pose, limbs: Sequence[Limb], source: str) -> dict[str,
     own = (pose.bottom(g)[2] for g in pose.solid() if bodies[g] == pose.root)
     belly = min(own, default=0.0)
     tables = [_table(pose, limb) for limb in limbs]
-    lowest = max(float(table[:, 2].min()) for table in tables)
+    lows = [float(table[:, 2].min()) for table in tables]
+    lowest = max(lows)
     reach = max(float(np.linalg.norm(limb.toe[:2] - limb.hip)) for limb in limbs)
     floor = max(belly - CLEARANCE * reach, 0.9 * lowest + 0.1 * belly)
     if not floor < belly:
-        raise refusal("too_low", source, reached=1e3 * (belly - lowest))
+        joints, reached = limbs[lows.index(lowest)].joints[:2], 1e3 * (belly - lowest)
+        raise refusal("too_low", source, joints=" and ".join(joints), reached=reached)
     angles: dict[str, float] = {}
     for limb, table in zip(limbs, tables, strict=True):
         angles |= _lowered(pose, limb, table, floor, source)
@@ -274,8 +269,6 @@ def drafted_servo(pose: Pose, joints: Sequence[str], arm: float, legs: int) -> S
 
 def servo_stiffness(model: mujoco.MjModel, joint: str) -> float:
     """Stiffness of the position servo that drives a joint, 0 if none does [N m/rad]."""
-    gain, bias = model.actuator_gainprm[:, 0], model.actuator_biasprm[:, 1]
-    for i in actuators_of(model, joint):
-        if is_position_servo(gain[i], bias[i]):
-            return float(gain[i] * model.actuator_gear[i, 0] ** 2)
+    for i in position_servos_of(model, joint):
+        return float(model.actuator_gainprm[i, 0] * model.actuator_gear[i, 0] ** 2)
     return 0.0

@@ -92,7 +92,7 @@ def source_of(name: str, allow_external: bool = False) -> Source:
         inspect_model(path, (), allow_external)
     else:
         with NamedTemporaryFile(
-            "w", encoding="utf-8", suffix=".urdf", dir=path.parent
+            "w", encoding="utf-8", prefix=".", suffix=".urdf", dir=path.parent
         ) as file:
             file.write(drawn)
             file.flush()

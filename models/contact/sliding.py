@@ -16,7 +16,7 @@ import numpy as np
 
 from models.contact.dissipation import foot_jacobians
 from models.contact.kinematics import Kinematics, Stance
-from models.description.compiled import actuator_of
+from models.description.actuators import actuator_of
 from models.description.robot import Robot
 from planner import Array
 

@@ -1,11 +1,14 @@
-from .card import CLOCKS as CLOCKS
-from .card_file import parse_card as parse_card
-from .compiled import (
+from .actuators import (
     ON_JOINT as ON_JOINT,
     actuator_of as actuator_of,
     actuators_of as actuators_of,
-    compile_model as compile_model,
     is_position_servo as is_position_servo,
+    position_servos_of as position_servos_of,
+)
+from .card import CLOCKS as CLOCKS
+from .card_file import parse_card as parse_card
+from .compiled import (
+    compile_model as compile_model,
     one_line as one_line,
     read_spec as read_spec,
     root_body as root_body,

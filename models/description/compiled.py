@@ -19,6 +19,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from models.description.actuators import ON_JOINT
 from models.description.table import is_plain
 from models.errors import ModelError, message
 from planner import Array
@@ -169,9 +170,6 @@ def check_names(model: mujoco.MjModel, source: str) -> None:
             raise refusal("no_text", source, error=error) from error
 
 
-ON_JOINT = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
-
-
 def compile_model(spec: mujoco.MjSpec, source: str) -> mujoco.MjModel:
     """Compile, refusing what the compiler does, and odd names and numbers."""
     silence_the_engine()
@@ -235,29 +233,6 @@ def named(spec: mujoco.MjSpec) -> None:
                     name += "_"
                 taken.add(name)
                 part.name = name
-
-
-def is_position_servo(gain: float, bias: float) -> bool:
-    """Whether an actuator's force is a gain times what is left to its command.
-
-    Gain `gainprm[0]` and bias `biasprm[1]`, the latter per unit of the joint's angle.
-    """
-    return bool(gain > 0 and abs(bias + gain) <= 1e-5 * gain)  # as text rounds it
-
-
-def actuators_of(model: mujoco.MjModel, joint: str) -> list[int]:
-    """Indices of the actuators that drive a joint."""
-    driven, kinds = model.actuator_trnid[:, 0], model.actuator_trntype
-    own = np.flatnonzero(driven == model.joint(joint).id).tolist()
-    return [i for i in own if mujoco.mjtTrn(kinds[i]) in ON_JOINT]
-
-
-def actuator_of(model: mujoco.MjModel, joint: str) -> int:
-    """Index of the first actuator that drives a joint; refused if there is none."""
-    found = actuators_of(model, joint)
-    if not found:
-        raise ModelError(f"no actuator drives joint {joint!r}: give it a servo")
-    return found[0]
 
 
 def root_body(model: mujoco.MjModel, path: Path) -> int:

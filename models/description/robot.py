@@ -11,11 +11,10 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
+from models.description.actuators import position_servos_of, span_of
 from models.description.card import Card, GroupCard, LegCard
 from models.description.compiled import (
-    actuators_of,
     compile_model,
-    is_position_servo,
     named,
     one_line,
     read_spec,
@@ -225,30 +224,17 @@ class Robot:
         """Leg joints to which neither file nor card gives an armature."""
         return tuple(joint for joint in self.card.joints if not self._armature(joint))
 
-    def position_servos_of(self, joint: str) -> list[int]:
-        """Indices of the file's position servos that drive a joint."""
-        model, own = self.model, actuators_of(self.model, joint)
-        gain, bias = model.actuator_gainprm[:, 0], model.actuator_biasprm[:, 1]
-        return [i for i in own if is_position_servo(gain[i], bias[i])]
-
     def _armature(self, joint: str) -> float:
         """Inertia of the rotor behind a joint's gears, of file or card [kg m^2]."""
         model, card = self.model, self.card.servo
-        own = self.position_servos_of(joint)
+        own = position_servos_of(model, joint)
         servos = model.actuator_armature[own].sum()
         given = card.armature if card and not own else servos
         return float(model.dof_armature[model.joint(joint).dofadr[0]] + given)
 
     def span(self, joint: str) -> tuple[float, float]:
         """Lowest and highest angle that a hinge and its servos allow [rad]."""
-        model, index = self.model, self.model.joint(joint).id
-        spans = [model.jnt_range[index]] if model.jnt_limited[index] else []
-        for servo in self.position_servos_of(joint):
-            if model.actuator_ctrllimited[servo]:
-                gear = model.actuator_gear[servo, 0]
-                spans.append(np.sort(model.actuator_ctrlrange[servo] / gear))
-        low = max((float(span[0]) for span in spans), default=-np.pi)
-        return low, min((float(span[1]) for span in spans), default=np.pi)
+        return span_of(self.model, joint, np.pi)
 
 
 def start_key(model: mujoco.MjModel) -> int | None:

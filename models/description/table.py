@@ -92,8 +92,8 @@ class Table:
             raise ValueError(f"{where} must be a table, got {shortened(values)}")
         self.values, self.where = values, where
         for key in values.keys() - set(known or values):
-            place = where or "the file"
-            raise ValueError(f"{place} has no key {key!r}; {did_you_mean(key, known)}")
+            place, near = where or "the file", did_you_mean(str(key), known)
+            raise ValueError(f"{place} has no key {key!r}; {near}")
 
     def __contains__(self, key: str) -> bool:
         return key in self.values

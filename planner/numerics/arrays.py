@@ -23,6 +23,7 @@ ROUNDING = 1e-12
 def reals(values: ArrayLike, what: str) -> Array:
     """A copy as floats; `ValueError` for dates, texts and complex numbers."""
     array = np.asarray(values)
-    if array.dtype.kind not in "biufO":  # NumPy would make floats of them, too
+    none = array.dtype == object and None in array.ravel().tolist()
+    if none or array.dtype.kind not in "biufO":  # NumPy would make floats of them, too
         raise ValueError(f"{what} are of type {array.dtype}; give real numbers")
     return np.array(array, dtype=float)

@@ -47,7 +47,11 @@ def export(options: argparse.Namespace) -> ExitCode:
     with bar(quiet=options.json) as progress, blame, keeping(kept):
         source = _source(options, progress)
         commands, read, coarse = _written(options, source, out)
-        played = _played(options, source, read, progress)
+        try:
+            played = _played(options, source, read, progress)
+        except Exception:
+            out.unlink(missing_ok=True)  # what nobody can play, no servo should
+            raise
     summary = source.run.summary
     if not source.servo.rate:
         cli.notice(COARSE.format(rate=read.rate))

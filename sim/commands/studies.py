@@ -31,7 +31,7 @@ from sim.sweeps.table import write_table
 from sim.templates import render
 
 PRINTED = 5  # reasons of failed points, at most
-ADDRESS = r"((tcp|tls|ws)://)?[^/]+:(\d{1,4}|[1-5]\d{4}|6[0-5]\d{3})"  # of a scheduler
+ADDRESS = r"((tcp|tls|ws)://)?([^/:]+|\[[^/]+\]):([1-9]\d{0,3}|[1-5]\d{4}|6[0-5]\d{3})"
 MOST_DESIGNS = 10**6  # some 7 hours; 8 legs have 144,088, 12 legs 259 million
 
 

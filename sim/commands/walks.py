@@ -199,8 +199,11 @@ def tries_of(
     with keeping(kept):
         for line in hints:
             cli.notice(line)
-        with bar(quiet=options.json) as progress:
-            tries = walk_tries(scenario, robot, folder, draws, progress)
+        try:
+            with bar(quiet=options.json) as progress:
+                tries = walk_tries(scenario, robot, folder, draws, progress)
+        finally:
+            folder.discard_if_empty()
     lines = [*describe(tries, scenario.path.length), "", f"{'folder':13}{folder.path}"]
     cli.report(options, [asdict(one) for one in tries], *lines)
     return judged_tries(tries, options.tolerance, f"see {folder.path}")
@@ -217,21 +220,22 @@ def walk_tries(
     tries: list[Try] = []
     for done, draw in enumerate(draws):
         progress("walking draws", done / len(draws))
-        inner = folder.inner(f"draw-{draw:03d}")
-        tries.append(_try(replace(scenario, draw=draw), robot, inner))
+        inner, at_draw = folder.inner(f"draw-{draw:03d}"), replace(scenario, draw=draw)
+        tries.append(_try(at_draw, robot, inner, first=not done))
         names = [item.name for item in fields(Try)]
         folder.write_text(TABLE, csv_text([names, *map(astuple, tries)]))
     return tries
 
 
-def _try(scenario: Scenario, robot: Robot, folder: RunFolder) -> Try:
+def _try(scenario: Scenario, robot: Robot, folder: RunFolder, *, first: bool) -> Try:
     from sim.run_folder import run
 
     try:
         summary = run(scenario, folder, robot=robot, without=LEFT_OUT)
     except (StratawalkError, PlannerError) as error:
-        if getattr(error, "exit_code", None) is ExitCode.FILES:
-            raise  # a full disk is full for the next draw, too
+        code = getattr(error, "exit_code", None)
+        if code is ExitCode.FILES or (first and code is ExitCode.USAGE):
+            raise  # which the next draw would meet, too
         return Try(scenario.draw, one_line(error))
     found = {name: q.value(summary, row) for name, (q, row) in MEASURES.items()}
     weighed = summary.weighed

@@ -76,8 +76,7 @@ def taken(
     """
     pace = rate * timestep
     if pace > 1 + SLACK:
-        what, remedy = f"{rate:g} commands a second", f"give at most {1 / timestep:g}"
-        raise UsageError(what, "--rate", remedy)
+        raise UsageError.of("too_fast", "--rate", rate=rate, most=1 / timestep)
     step = step_of(np.arange(np.ceil(-SLACK), len(ctrl) * pace + 1), pace)
     row = step[(step >= 0) & (step < len(ctrl))]
     return ServoCommands(joints, rate, ctrl[row][:, actuators])

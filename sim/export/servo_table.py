@@ -21,7 +21,7 @@ from models import SERVO_KINDS, Card, JointServo, ServoKind
 from models.description import BOARD_CLOCK, BOARD_COUNTS as FRAME, Table, board_rate
 from planner import Array
 from planner.support import read_file
-from sim.errors import UsageError, message, telling
+from sim.errors import UsageError, telling
 from sim.export.servo_commands import ServoCommands
 
 FRAMES = (24.0, 1526.0)  # that a PCA9685 can give in a second
@@ -163,10 +163,7 @@ def _require_counts(joints: Sequence[str], known: Mapping[str, JointServo]) -> N
     for joint in joints:
         servo = known.get(joint, JointServo())
         if servo.counts_per_radian is None or servo.center is None:
-            what = f"servos on a bus take no pulses, and joint {joint!r} has one"
-            own = f"center and counts_per_radian under [servo.{joint}] in the card"
-            remedy = f"take --format dynamixel, or give {own}"
-            raise UsageError(what, "--format", remedy)
+            raise UsageError.of("bus", "--format", joint=joint)
 
 
 def _channel(
@@ -191,12 +188,12 @@ def _channel(
 
 def _outside(servo: Channel, angle: float, low: float, high: float) -> UsageError:
     facts = {"angle": angle, "degrees": degrees(angle), "low": low, "high": high}
-    what = message("outside", joint=servo.joint, **facts)
-    remedy = message("other_limits", joint=servo.joint)
-    return UsageError(what, f"channel {servo.channel}", remedy)
+    place = f"channel {servo.channel}"
+    return UsageError.of("outside", place, joint=servo.joint, **facts)
 
 
 YAML_BYTES = 10**5  # bytes, of which the reader takes a second
+ROS = "name", "id", "ticks", "center", "max_radians", "sign", "offset"  # of a servo
 REMEDY = "give every servo name, id, ticks, center, max_radians, sign, offset"
 
 
@@ -247,7 +244,7 @@ def read_ros_table(path: Path) -> dict[str, JointServo]:
     table: dict[str, JointServo] = {}
     try:
         for number, servo in enumerate(servos, start=1):
-            joint, found = _servo(Table(servo, f"servo {number}"))
+            joint, found = _servo(Table(servo, f"servo {number}", ROS))
             if joint in table:
                 raise ValueError(f"servo {number}: {joint!r} is there twice")
             table[joint] = found

@@ -89,9 +89,9 @@ class Source:
             own, low, high = self.model.joint(joint), angles.min(), angles.max()
             least, most = own.range if own.limited else (-TURNED, TURNED)
             if low < least - AHEAD or high > most + AHEAD:
-                what = f"joint {joint!r} is commanded from {low:.3g} to {high:.3g} rad"
-                what += f", and turns from {least:.3g} to {most:.3g} rad"
-                raise UsageError(what, str(self.run.folder), "walk the scenario again")
+                facts = {"low": low, "high": high, "least": least, "most": most}
+                where = self.run.folder
+                raise UsageError.of("told_beyond", where, joint=joint, **facts)
         return found
 
 
@@ -180,8 +180,7 @@ def servos(
     """
     missing = [] if given is None else [j for j in source.joints if j not in given]
     if missing:
-        remedy = "give each of the robot's joints a servo of its name"
-        raise UsageError(f"no servo for joint {missing[0]!r}", "--servo-table", remedy)
+        raise UsageError.of("not_listed", "--servo-table", joint=missing[0])
     make, rate = source.servo.kind, source.servo.rate or rate
     table = servo_table(source.run.card, source.joints, make, PWM[form], given, rate)
     return table.in_microseconds() if microseconds else table

@@ -58,9 +58,9 @@ def check_standing(
         with suppress(ModelError):
             _check_standing(kinematics, world_of(scenario.as_planned).model, lift_angle)
             settings = (f"{n} = {getattr(scenario, n)}" for n in imperfect(scenario))
-            what = f"{kinematics.robot} does not stand with {', '.join(settings)}"
-            remedy = "change or leave out what is too much: without, the robot stands"
-            raise UsageError(what, f"scenario {scenario.name!r}", remedy) from refusal
+            facts = {"robot": kinematics.robot, "settings": ", ".join(settings)}
+            where = f"scenario {scenario.name!r}"
+            raise UsageError.of("too_much", where, **facts) from refusal
         raise
     except mujoco.FatalError as error:
         reason = " ".join(str(error).split())
@@ -100,10 +100,8 @@ def _blame_the_timestep(
     for timestep in (step for step in SHORTER if step < asked):
         with suppress(ModelError):
             _check_standing(kinematics, with_timestep(model, timestep), lift)
-            remedy = f"give at most {timestep:g}, at which the robot stands"
-            falls = f"servos of {kinematics.robot} are unstable, and the robot falls"
-            what = f"timestep = {asked:g} is too long: the {falls}"
-            raise UsageError(what, "timestep", remedy) from refusal
+            facts = {"asked": asked, "robot": kinematics.robot, "most": timestep}
+            raise UsageError.of("long_step", "timestep", **facts) from refusal
 
 
 def with_timestep(model: mujoco.MjModel, timestep: float) -> mujoco.MjModel:

@@ -60,8 +60,9 @@ def join(pieces: Sequence[Path], film: Path) -> None:
     """Join pieces, films in one folder, without encoding them again."""
     contents = pieces[0].with_name("pieces.txt")
     contents.write_text("".join(f"file '{piece.name}'\n" for piece in pieces))
-    source = ("-f", "concat", "-safe", "0", "-i", f"file:{contents}")
-    _ffmpeg("-y", *source, "-c", "copy", "-movflags", "+faststart", f"file:{film}")
+    source = ("-f", "concat", "-safe", "0", "-i", contents.name)
+    joined = ("-c", "copy", "-movflags", "+faststart", f"file:{film.absolute()}")
+    _ffmpeg("-y", *source, *joined, folder=contents.parent)
 
 
 def animate(film: Path, picture: Path) -> None:
@@ -80,11 +81,16 @@ def count_pictures(film: Path) -> int:
     return int(counts[-1].removeprefix("frame=")) if counts else 0
 
 
-def _ffmpeg(*arguments: str) -> str:
-    """Output of ffmpeg; RenderError if it fails, OSError if the disk is full."""
+def _ffmpeg(*arguments: str, folder: Path | None = None) -> str:
+    """Output of ffmpeg; RenderError if it fails, OSError if the disk is full.
+
+    It works in a folder, since lists of files cut the names of theirs at # and ?.
+    """
     command = (_executable(), "-v", "error", "-nostdin", *arguments)
     with telling("no ffmpeg", command[0], INSTALL, RenderError):
-        done = subprocess.run(command, capture_output=True, text=True, errors="replace")
+        done = subprocess.run(
+            command, cwd=folder, capture_output=True, text=True, errors="replace"
+        )
     if FULL in done.stderr:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
     if done.returncode:

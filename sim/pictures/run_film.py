@@ -7,6 +7,7 @@ This module is also their program; it prints a dot for every picture.
 
 from __future__ import annotations
 
+import errno
 import os
 import select
 import shutil
@@ -24,7 +25,7 @@ from typing import IO
 
 import mujoco
 
-from sim.errors import FilesError, RenderError, UsageError
+from sim.errors import RenderError, UsageError
 from sim.folder import blamed_on, whole
 from sim.pictures import file, gl
 from sim.pictures.camera import Camera, camera, view_of
@@ -92,7 +93,7 @@ def film_folder(
     folder = folder.absolute()
     with blamed_on(folder):
         walk = read_run(folder).in_world()
-        _ = walk.model  # which is refused here, and not by the processes that draw
+        _ = [walk.model.geom(foot) for foot in walk.card.feet]  # refused here in time
         first, last = walk.time[[*rows_of(walk.time, stretch)]]
         if first == last:
             end = f"{stretch[1]:g} s".replace("inf s", "the end")
@@ -120,8 +121,7 @@ def film_folder(
         film = scratch / NAME if small else part
         file.join([piece.path for piece in pieces], film)
         if (found := file.count_pictures(film)) != pictures:
-            what = f"film cut short, {found} of {pictures} pictures"
-            raise RenderError(what, str(path), KEPT)
+            raise RenderError.of("cut_short", path, found=found, pictures=pictures)
         if small:
             file.animate(film, part)
     return path
@@ -171,9 +171,9 @@ def draw(pieces: Sequence[Piece], driver: str, progress: Callable[[int], None]) 
             progress(drawn)
             for worker in workers:
                 if worker[0].poll():
-                    _check(*worker, where)
+                    _check(worker, pieces[0])
         for worker in workers:
-            _check(*worker, where)
+            _check(worker, pieces[0])
 
 
 def _start(
@@ -192,18 +192,18 @@ def _start(
     return process, complaints
 
 
-def _check(process: subprocess.Popen[bytes], complaints: IO[bytes], where: str) -> None:
-    """Raise FilesError if the disk is full, RenderError for another failure."""
+def _check(worker: Worker, piece: Piece) -> None:
+    """Raise OSError if the disk is full, RenderError for another failure."""
+    process, complaints = worker
     if (code := process.wait()) == 0:
         return
     complaints.seek(0)
     message = complaints.read().decode(errors="replace")
-    if file.FULL in message or shutil.disk_usage(where).free < SPARE:
-        what, remedy = "disk full while filming", f"free some space; {KEPT}"
-        raise FilesError(what, where, remedy)
+    if file.FULL in message or shutil.disk_usage(piece.path.parent).free < SPARE:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
     last = (message.strip().splitlines() or ["no word"])[-1]
     reason = f"signal {-code}" if code < 0 else last.removeprefix("OSError: ")
-    raise RenderError(f"drawing the film failed, {reason}", where, KEPT)
+    raise RenderError(f"drawing the film failed, {reason}", str(piece.folder), KEPT)
 
 
 def _wait(dots: int, where: str) -> int:

@@ -134,10 +134,9 @@ def check_distance(setup: Setup) -> None:
     for way, unit, each in ways:  # of a radian of a stroke
         travel = way / farthest if (farthest := max(each, default=0.0)) else 0.0
         if travel > MOST_TRAVEL:
-            what = f"a path of {way:g} {unit} takes {travel:.2g} rad of strokes or more"
-            what += f", and at most {MOST_TRAVEL:,} rad are planned"
             where = f"scenario {setup.scenario.name!r}"
-            raise UsageError(what, where, "bring the goal nearer")
+            facts = {"way": way, "unit": unit, "travel": travel, "most": MOST_TRAVEL}
+            raise UsageError.of("far_goal", where, **facts)
 
 
 def _row_size(setup: Setup) -> int:

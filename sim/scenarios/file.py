@@ -212,8 +212,7 @@ def read_toml(path: Path) -> Values:
         try:
             return parse_toml(read_text(path))
         except ValueError as error:
-            what, remedy = f"not TOML, {error}", "correct the file"
-            raise UsageError(what, str(path), remedy) from error
+            raise UsageError.of("not_toml", path, error=error) from error
 
 
 def _replace(table: Values, key: str, value: object) -> None:
@@ -230,8 +229,7 @@ def _renamed(table: Table, where: str) -> Values:
     """The table with the present names of settings that were called otherwise."""
     for old in table.keys() & FORMER.keys():
         if FORMER[old] in table:
-            what = f"{old} and {FORMER[old]} are one setting"
-            raise UsageError(what, where, f"keep {FORMER[old]}")
+            raise UsageError.of("renamed", where, old=old, new=FORMER[old])
         announce(old, FORMER[old])
     return {FORMER.get(key, key): value for key, value in table.items()}
 

@@ -104,8 +104,7 @@ def decode(tables: object) -> tuple[Obstacle, ...]:
     points = [table.get("points") for table in tables if isinstance(table, Mapping)]
     corners = sum(len(one) if is_list(one) else 1 for one in points)
     if corners > MOST_CORNERS:
-        remedy = f"give at most {MOST_CORNERS}; a box counts as one"
-        raise UsageError(f"{corners} points of obstacles", "obstacles", remedy)
+        raise UsageError.of("corners", "obstacles", count=corners, most=MOST_CORNERS)
     return tuple(_decode(table, f"obstacle {i}") for i, table in enumerate(tables, 1))
 
 

@@ -52,8 +52,8 @@ class Sweep:
 
     def __post_init__(self) -> None:
         if len(self) > MOST_POINTS:
-            remedy = f"divide it into sweeps of at most {MOST_POINTS} points"
-            raise UsageError(f"{len(self)} points", f"sweep {self.name!r}", remedy)
+            facts = {"count": len(self), "most": MOST_POINTS}
+            raise UsageError.of("points", f"sweep {self.name!r}", **facts)
 
     def __len__(self) -> int:
         return math.prod(len(choices) for _, choices in self.blocks)

@@ -16,7 +16,7 @@ import numpy as np
 from models import Robot
 from models.description import compile_model
 from planner import Array
-from sim.errors import UsageError, message
+from sim.errors import UsageError
 from sim.scenarios.scenario import Scenario
 
 PAYLOAD = "payload"
@@ -85,9 +85,9 @@ def _require_hold(scenario: Scenario) -> None:
     angle, _ = scenario.slope or (0.0, 0.0)
     friction = max(scenario.foot_friction or (scenario.friction,))
     if tan(angle) >= friction:
-        what = message("steep", angle=angle, friction=friction)
-        remedy = message("less_steep", most=atan(friction), least=tan(angle))
-        raise UsageError(what, f"scenario {scenario.name!r}", remedy)
+        facts = {"angle": angle, "friction": friction, "most": atan(friction)}
+        where = f"scenario {scenario.name!r}"
+        raise UsageError.of("steep", where, least=tan(angle), **facts)
 
 
 def _stiffen(floor: mujoco.MjsGeom, ratio: float) -> None:

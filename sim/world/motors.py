@@ -15,7 +15,7 @@ import numpy as np
 
 from models import Robot
 from models.adoption import fitting_rotor, servo_for
-from models.description import ON_JOINT, actuator_of
+from models.description import ON_JOINT, actuator_of, position_servos_of
 from sim.world.servos import ServoSettings
 
 CRITICAL = 1.0  # damping ratio, which the engine tells by its sign from a damping
@@ -61,7 +61,7 @@ def undamped_joints(robot: Robot, asked: ServoSettings) -> tuple[str, ...]:
     return tuple(
         joint
         for joint in robot.card.joints
-        for servo in robot.position_servos_of(joint)[:1]
+        for servo in position_servos_of(robot.model, joint)[:1]
         if damping_ratio(joint, servo) < (LIVELY if joint in added else ANY)
     )
 

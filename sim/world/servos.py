@@ -78,8 +78,7 @@ def servo_settings(scenario: Scenario, card: Card) -> ServoSettings:
         feed_forward=scenario.feed_forward,
     )
     if name == "ideal" and (data := scenario.servo_data):
-        remedy = "ideal servos have none; name a make under servo, or leave it out"
-        raise UsageError(f"servo_data = {data}", f"scenario {scenario.name!r}", remedy)
+        raise UsageError.of("ideal_data", f"scenario {scenario.name!r}", data=data)
     if name == "ideal":
         return asked
     data = card.servo.data if card.servo is not None and make == own else {}
@@ -134,7 +133,8 @@ def ensure_servos(spec: mujoco.MjSpec, robot: Robot, asked: ServoSettings) -> No
         spec.equalities[number].active = False
     for joint in robot.card.joints:
         servo = _only_servo(spec, joint) or _add_servo(spec, robot, joint)
-        servo.dyntype = mujoco.mjtDyn.mjDYN_NONE
+        servo.dyntype, servo.actlimited = mujoco.mjtDyn.mjDYN_NONE, 0
+        servo.actrange, servo.actearly = (0, 0), 0
         if servo.gear[0] != 1:
             _gear_down(servo)
         _tune(servo, asked)

@@ -57,6 +57,15 @@ def test_runs_started_together_get_folders_of_their_own(tmp_path, monkeypatch):
     assert len({folder.path for folder in made}) == 8
 
 
+def test_a_folder_in_which_nothing_is_written_goes_with_what_was_made_for_it(tmp_path):
+    (tmp_path / "own").mkdir()
+    claim(tmp_path / "own" / "a" / "b", "line").discard_if_empty()
+    assert names(tmp_path / "own") == []
+    kept = claim(tmp_path / "own" / "a" / "b", "line")
+    claim(tmp_path / "own" / "a" / "c", "line").discard_if_empty()
+    assert names(tmp_path / "own" / "a") == [kept.path.name]
+
+
 def test_claimed_folder_is_empty(tmp_path):
     assert names(claim(tmp_path / "new" / "run", "line").path) == []
 

@@ -90,6 +90,8 @@ def test_function_is_called_once_a_parameter():
         (lambda: line([0, 0], [1, np.inf]), r"point 2 is not finite: \[1.0, inf\]"),
         (lambda: ellipse([0], (1, 1)), "needs two coordinates, got 1"),
         (lambda: line(["0", "0"], [1, 2]), "coordinates are of type <U1; give real"),
+        (lambda: line([0, None], [1, 2]), "coordinates are of type object; give real"),
+        (lambda: line([0, 0], [1, 2])(None), "parameters are of type object; give"),
         (lambda: line([0, 0], [1, 2])(0.5j), "parameters are of type complex128"),
     ],
 )

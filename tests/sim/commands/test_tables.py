@@ -216,7 +216,7 @@ def test_a_yaw_off_its_goal_is_told_in_no_row_and_the_least_margin_is_the_worst(
 def test_draws_are_counted_and_their_table_has_a_row_each(tmp_path, monkeypatch):
     walked, told = [], []
 
-    def tried(scenario, robot, folder):
+    def tried(scenario, robot, folder, **_):
         walked.append((scenario.draw, folder.path.name))
         return Try(scenario.draw, "arrived", 0.5)
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from sim.evaluation.quantities import describe
+from sim.scenarios.body_path import line
 from tests.commands import refusal, told
 from tests.walks import simulated
 
@@ -65,8 +66,8 @@ def test_settings_under_which_nothing_can_stand_are_named(
 ):
     done = stratawalk(*SHORT, *GOAL, *sets(*settings))
     assert done.returncode == code
-    *notices, line = told(done.stderr)
-    assert said in line
+    *notices, last = told(done.stderr)
+    assert said in last
     assert all("notice: predictions ignore" in notice for notice in notices)
 
 
@@ -74,6 +75,12 @@ def test_settings_under_which_nothing_can_stand_are_named(
 def test_a_speed_that_the_acceleration_caps_is_told(scenario):
     told = describe(simulated(scenario(swing_speed=6.0)).summary)
     assert "swing_acceleration caps the swing_speed of 6" in told
+
+
+@pytest.mark.physics
+def test_nothing_caps_the_speed_of_a_walk_without_swings(scenario):
+    still = describe(simulated(scenario(path=line((0.0, 0.0, 0.0)))).summary)
+    assert "swing_acceleration" not in still
 
 
 STARTS = {

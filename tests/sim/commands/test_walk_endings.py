@@ -74,6 +74,30 @@ def test_a_full_disk_ends_all_draws(monkeypatch, tmp_path):
     assert [one.draw for one in walk_tries(*given)] == [0, 1, 2]
 
 
+def test_what_the_first_draw_may_not_have_is_refused_for_all(monkeypatch, tmp_path):
+    """A later draw may be refused what it was dealt, and the others go on."""
+
+    def run(scenario, folder, **__):
+        if scenario.draw == refused:
+            folder.path.rmdir()
+            raise UsageError("swing_speed = 9 is not allowed", "draw", "turn slower")
+        return SimpleNamespace(verdict="arrived", weighed=None)
+
+    monkeypatch.setattr(walks, "MEASURES", {})
+    monkeypatch.setattr(run_folder, "run", run)
+    options = Namespace(
+        out=str(tmp_path / "a" / "b"), json=True, tries=3, tolerance=0.05
+    )
+    refused = 5
+    with pytest.raises(UsageError, match="turn slower"):
+        tries_of(LINE, None, options, [])
+    assert list(tmp_path.iterdir()) == []
+    refused = 6
+    assert tries_of(LINE, None, options, []) is ExitCode.SIMULATION
+    table = (tmp_path / "a" / "b" / "tries.csv").read_text().splitlines()
+    assert [row.partition(",")[0] for row in table] == ["draw", "5", "6", "7"]
+
+
 def test_draws_beyond_the_last_are_refused_before_a_folder_is_made(monkeypatch):
     monkeypatch.setattr(walks, "claim", pytest.fail)
     options = Namespace(out=None, json=True, tries=2, tolerance=0.05)

@@ -9,6 +9,7 @@ import pytest
 import yaml
 
 from sim.cli import main
+from sim.export import source
 from sim.export.source import from_run, servos
 from sim.folder import RunFolder
 from sim.run_folder import run
@@ -120,6 +121,20 @@ def test_what_an_export_costs_is_told_with_all_that_mends_it(rated, coarse, reme
     text = render("export.txt", scenario="line", robot="hexapod", file="f", **found)
     (line,) = (line for line in text.splitlines() if "2 % of the path" in line)
     assert line.endswith(remedy)
+
+
+@pytest.mark.physics
+def test_what_cannot_be_played_is_no_file(classroom, tmp_path, capsys, monkeypatch):
+    def play(*_, **__):
+        assert out.exists()
+        raise KeyError("foot_1")
+
+    out = tmp_path / "walk.csv"
+    monkeypatch.setattr(source, "play", play)
+    words = ("export", str(classroom[0]), "--format", "csv", "--out", str(out))
+    assert main(words) == 2
+    assert "its files do not fit together" in capsys.readouterr().err
+    assert not out.exists()
 
 
 def test_a_walk_that_did_not_arrive_is_exported_with_a_warning(

@@ -60,6 +60,12 @@ def test_servos_may_stand_under_a_name_and_have_keys_of_their_own(tmp_path):
         ("", "no servos"),
         ("[]", "no servos"),
         ("- 3", "servo 1 must be a table, got 3"),
+        (
+            listed().replace("offset", "ofset", 1),
+            "no key 'ofset'; did you mean 'offset",
+        ),
+        (listed().replace("offset", "7", 1), "no key 7; there are name, id"),
+        (listed().replace("offset", "null", 1), "no key None; there are name"),
         ("- {name: a, id: 1}", "servo 1.ticks is missing"),
         ("[" * 5000, "not YAML"),
         (f"- {{name: a, center: 1{':59' * 200}.5}}", "not YAML"),

@@ -56,7 +56,7 @@ def ffmpeg(monkeypatch, tmp_path):
             "  echo 'av_write(): No space left on device' >&2; exit 1\n"
             'else exec "$REAL" "$@"; fi',
             FilesError,
-            "disk full while filming: .*; free some space",
+            r"disk full: .*\.mp4; free some space, or write to another disk",
         ),
         (
             'if [[ "$*" == *concat* ]]; then\n'
@@ -111,6 +111,14 @@ def test_an_unfinished_run_is_refused(folder, name):
     (folder / name).unlink()
     with pytest.raises(UsageError, match=name):
         read_run(folder).in_world()
+
+
+def test_a_model_without_a_foot_of_the_card_is_refused(folder):
+    """And not by the processes that draw, as a film that fails."""
+    model = folder / "model.xml"
+    model.write_text(model.read_text().replace('"foot_1"', '"toe_1"'))
+    with pytest.raises(UsageError, match="its files do not fit together"):
+        film_folder(folder, stretch=(0.0, 1.0))
 
 
 def test_a_folder_without_a_scenario_is_no_run(folder):

@@ -198,7 +198,8 @@ def test_run_folders_are_of_points_that_there_are(tmp_path, keep, said):
 
 @pytest.mark.parametrize(
     "address",
-    ["x", "foo://127.0.0.1:8786", "inproc://x:1", "http://evil:80", "tcp://a:99999"],
+    ["x", "foo://127.0.0.1:8786", "inproc://x:1", "http://evil:80", "tcp://a:99999"]
+    + ["a:0", "tcp://a:b:80", "::1:8786", "[::1]:0", "tcp://:8786"],
 )
 def test_an_address_without_a_port_is_refused_before_anything_is_made(
     tmp_path, capsys, address

@@ -41,11 +41,8 @@ def test_servos_swing_for_long_below_half_of_critical_damping_with_a_new_rotor(
         actuator_gainprm=np.array([[stiffness]]),
         actuator_biasprm=np.array([[0, 0, -2 * ratio * np.sqrt(stiffness * inertia)]]),
     )
-    robot = SimpleNamespace(
-        model=model,
-        card=SimpleNamespace(joints=["hip"]),
-        position_servos_of=lambda joint: [0],
-    )
+    robot = SimpleNamespace(model=model, card=SimpleNamespace(joints=["hip"]))
+    monkeypatch.setattr(motors, "position_servos_of", lambda *_: [0])
     added = {"hip": inertia} if rotor else {}
     monkeypatch.setattr(motors, "added_rotors", lambda *_: added)
     assert motors.undamped_joints(robot, PLAIN) == (("hip",) if undamped else ())

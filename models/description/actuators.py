@@ -1,0 +1,52 @@
+"""The actuators of a compiled model: which drive a joint, and how far they turn it."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+
+from models.errors import ModelError
+
+ON_JOINT = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
+
+
+def is_position_servo(gain: float, bias: float) -> bool:
+    """Whether an actuator's force is a gain times what is left to its command.
+
+    Gain `gainprm[0]` and bias `biasprm[1]`, the latter per unit of the joint's angle.
+    """
+    return bool(gain > 0 and abs(bias + gain) <= 1e-5 * gain)  # as text rounds it
+
+
+def actuators_of(model: mujoco.MjModel, joint: str) -> list[int]:
+    """Indices of the actuators that drive a joint."""
+    driven, kinds = model.actuator_trnid[:, 0], model.actuator_trntype
+    own = np.flatnonzero(driven == model.joint(joint).id).tolist()
+    return [i for i in own if mujoco.mjtTrn(kinds[i]) in ON_JOINT]
+
+
+def position_servos_of(model: mujoco.MjModel, joint: str) -> list[int]:
+    """Indices of the position servos that drive a joint."""
+    gain, bias = model.actuator_gainprm[:, 0], model.actuator_biasprm[:, 1]
+    own = actuators_of(model, joint)
+    return [i for i in own if is_position_servo(gain[i], bias[i])]
+
+
+def span_of(model: mujoco.MjModel, joint: str, free: float) -> tuple[float, float]:
+    """Angles that a hinge and its servos allow, `free` either way if all [rad]."""
+    index = model.joint(joint).id
+    spans = [model.jnt_range[index]] if model.jnt_limited[index] else []
+    for servo in position_servos_of(model, joint):
+        if model.actuator_ctrllimited[servo]:
+            gear = model.actuator_gear[servo, 0]
+            spans.append(np.sort(model.actuator_ctrlrange[servo] / gear))
+    low = max((float(span[0]) for span in spans), default=-free)
+    return low, min((float(span[1]) for span in spans), default=free)
+
+
+def actuator_of(model: mujoco.MjModel, joint: str) -> int:
+    """Index of the first actuator that drives a joint; refused if there is none."""
+    found = actuators_of(model, joint)
+    if not found:
+        raise ModelError(f"no actuator drives joint {joint!r}: give it a servo")
+    return found[0]
