@@ -13,9 +13,9 @@ from .contact.loads import (
 )
 from .contact.sliding import Ground as Ground
 from .description.card import Card as Card
-from .description.makes import SERVO_KINDS as SERVO_KINDS
 from .description.robot import Robot as Robot
 from .description.servos import (
+    SERVO_KINDS as SERVO_KINDS,
     JointServo as JointServo,
     ServoKind as ServoKind,
 )

@@ -1,15 +1,33 @@
-"""Errors of the planner; each message gives the value, the place and a remedy."""
+"""Errors of the planner, and the tables of sentences that they and others say.
+
+Each message gives the value, the place and a remedy.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+import tomllib
+from collections.abc import Callable, Collection, Iterable, Sequence
 from difflib import get_close_matches
+from importlib.resources import files
 from pathlib import Path
-
-from planner.messages import message as message
+from typing import Any
 
 MANY = 40  # names, too many for a line
 SETUP = Path(__file__).parents[1] / "scripts" / "setup"  # in a checkout
+
+
+def shipped_tables(package: str, name: str) -> dict[str, Any]:
+    """The tables of a TOML file that lies in one of our packages."""
+    return tomllib.loads((files(package) / name).read_text("utf-8"))
+
+
+def sentences(package: str, name: str) -> Callable[..., str]:
+    """Says a sentence of such a file by its key, facts put in where they belong."""
+    tables = shipped_tables(package, name)
+    return lambda key, /, **facts: str(tables[key]).format(**facts)
+
+
+message = sentences("planner", "refusals.toml")
 
 
 def point(configuration: Iterable[float]) -> str:

@@ -46,9 +46,8 @@ def _word(text: str, rng: random.Random) -> str:
     if len(words) < 2:
         return text
     old, new = rng.choice(words), rng.choice(words)[0]
-    return (
-        text[: old.start()] + rng.choice((new, *TEXTS["formulas"])) + text[old.end() :]
-    )
+    new = rng.choice((new, *TEXTS["formulas"]))
+    return text[: old.start()] + new + text[old.end() :]
 
 
 def _lines(text: str, rng: random.Random) -> str:

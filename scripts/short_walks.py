@@ -70,9 +70,8 @@ def draw(studies: Mapping[str, Sequence[Point]], path: Path) -> None:
         panels = figure.subplots(1, len(studies), squeeze=False)[0]
         for axes, (name, points) in zip(panels, studies.items(), strict=True):
             for way, (style, colour) in LOOKS.items():
-                on = sorted(
-                    (1e3 * p.position, p.seconds) for p in points if p.way == way
-                )
+                own = (p for p in points if p.way == way)
+                on = sorted((1e3 * p.position, p.seconds) for p in own)
                 x, y = zip(*on, strict=True)
                 what = "optimised plan" if way == "optimised" else f"{way} words"
                 axes.plot(x, y, style, color=colour, label=what, markersize=3)

@@ -180,9 +180,8 @@ def is_text(value: object) -> bool:
 
 def printable(text: str) -> str:
     """A text with control characters, which a terminal might obey, written out."""
-    return "".join(
-        c if c.isprintable() or c in "\n\t" else ascii(c)[1:-1] for c in text
-    )
+    plain = {c for c in text if c.isprintable() or c in "\n\t"}
+    return "".join(c if c in plain else ascii(c)[1:-1] for c in text)
 
 
 def one_line(error: BaseException) -> str:

@@ -135,8 +135,7 @@ def claim(folder: Path | None, scenario: str) -> RunFolder:
         made = _make(folder) if folder else _next_free(Path("runs"), scenario)
     except OSError as error:
         if folder and os.path.lexists(folder):
-            where, remedy = str(folder), "give --out a folder that does not exist yet"
-            raise UsageError("already exists", where, remedy) from error
+            raise UsageError.of("taken", folder) from error
         reason, where = f"cannot make the run folder, {error.strerror}", error.filename
         raise FilesError(reason, str(where), "choose another with --out") from error
     claimed = RunFolder(made, parents)
@@ -159,8 +158,7 @@ def ensure_folder(folder: Path, what: str = "folder") -> Path:
 def new_file(path: Path, kind: str, *endings: str) -> Path:
     """A file to be made, which must be new, in a folder that is made for it."""
     if path.suffix not in endings:
-        remedy = f"give a name in {' or '.join(endings)}"
-        raise UsageError(f"not a {kind}'s name", str(path), remedy)
+        raise UsageError.of("file_name", path, kind=kind, endings=" or ".join(endings))
     require_free(path)
     ensure_folder(path.parent, f"{kind}'s folder")
     return path
@@ -169,8 +167,7 @@ def new_file(path: Path, kind: str, *endings: str) -> Path:
 def require_free(path: Path | str, option: str = "") -> None:
     """Refuse a name that a file, or a link to nowhere, has already."""
     if os.path.lexists(path):
-        remedy = f"give {option} another name" if option else "give another name"
-        raise UsageError("already exists", str(path), remedy)
+        raise UsageError.of("in_use", path, option=f"{option} " * bool(option))
 
 
 def _make(folder: Path) -> Path:

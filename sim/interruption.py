@@ -43,11 +43,7 @@ class OutOfTime(KeyboardInterrupt):
     """SIGXCPU, as `Terminated`: the processor time that was granted is used up."""
 
 
-RAISED = {
-    signal.SIGTERM: Terminated,
-    signal.SIGHUP: HungUp,
-    signal.SIGXCPU: OutOfTime,
-}
+RAISED = {signal.SIGTERM: Terminated, signal.SIGHUP: HungUp, signal.SIGXCPU: OutOfTime}
 
 _noticed = [-NOTICE_TIME]  # when the command noticed the last signal [s]
 

@@ -109,6 +109,7 @@ def draft_card(source: Source) -> Draft:
     for limb, turn in zip(limbs, gait.turns, strict=True):
         angles[limb.swing] = pose.angle(limb.swing) + limb.turn * float(turn)
     pose.turn(angles)
+    angles |= _level(pose, limbs)  # which legs on axes that lean are no more
     if not isinstance(way, Crawl):
         reach = free_reach(pose, limbs, gait.swings, drafted_lift(pose, limbs), name)
         gait = alternating(limbs, way, reach)

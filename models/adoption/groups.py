@@ -77,15 +77,11 @@ def _surety(feet: Array, weight: Array) -> float:
 
 
 def posed(
-    limbs: Sequence[Limb],
-    ways: Sequence[Groups],
-    weight: Array,
-    ranges: Array,
-    source: str,
+    limbs: Sequence[Limb], ways: Sequence[Groups], weight: Array, room: Array, file: str
 ) -> tuple[Stand, Stand]:
     """The pair of pivots from which the robot goes farthest sideways.
 
-    Ranges say how far each leg may turn clockwise and anticlockwise from how it stands,
+    Room is how far each leg may turn clockwise and anticlockwise from how it stands,
     shape (legs, 2) [rad]. Turned legs keep apart as before, as found and once moved.
     """
     from scipy.spatial.distance import pdist  # slow to import, and seldom needed
@@ -95,7 +91,7 @@ def posed(
     least = NEIGHBOUR_DISTANCE * pdist(feet).min()
     for groups in ways:
         sides = [
-            _Legs(g, hips[[*g]], (feet - hips)[[*g]], ranges[[*g]], weight)
+            _Legs(g, hips[[*g]], (feet - hips)[[*g]], room[[*g]], weight)
             for g in groups
         ]
         first, second = (list(side.stands(hips)) for side in sides)
@@ -109,7 +105,7 @@ def posed(
             after = [np.concatenate([a.feet, b.feet]) for a, b in (found, moved)]
             if min(pdist(places).min() for places in after) > least:
                 return moved
-    raise refusal("no_pivots", source)
+    raise refusal("no_pivots", file)
 
 
 def _worth(first: Sequence[Stand], second: Sequence[Stand]) -> Array:
@@ -196,11 +192,7 @@ class Reach(NamedTuple):
 
 
 def free_reach(
-    pose: Pose,
-    limbs: Sequence[Limb],
-    groups: Sequence[Swings],
-    lift: float,
-    source: str,
+    pose: Pose, limbs: Sequence[Limb], groups: Sequence[Swings], lift: float, file: str
 ) -> Reach:
     """The largest swing at which nothing touches that does not where the robot stands.
 
@@ -216,7 +208,7 @@ def free_reach(
     if first := _Trial(pose, limbs, groups, lift).first_touching(farthest):
         level, (one, other) = first
         if level <= 1:
-            raise refusal("touching", source, one=one, other=other)
+            raise refusal("touching", file, one=one, other=other)
         swing = farthest * (level - 1) / TRIED_ANGLES
         return Reach(swing, f"beyond which {one!r} and {other!r} would touch", True)
     left = f"where {joint!r} is the first joint to reach an end of its range"

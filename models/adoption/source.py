@@ -125,7 +125,7 @@ def _in_package(folder: Path, name: re.Match[str]) -> str:
 def _from_urdf(path: Path, text: str) -> str:
     """MJCF of a URDF whose base floats, its parts named."""
     try:
-        robot = ET.fromstring(text)
+        robot = _parsed(text)
     except ET.ParseError as error:
         raise refusal("no_xml", path, why=error) from None
     children = {child.get("link") for child in robot.iterfind("joint/child")}
@@ -165,6 +165,14 @@ SHOWN = 2  # names of meshes in a sentence
 Point = tuple[float, float, float]
 
 
+def _parsed(text: str) -> ET.Element:
+    """The root of a text, the names of its elements without namespaces."""
+    root = ET.fromstring(text)
+    for element in root.iter():
+        element.tag = str(element.tag).rpartition("}")[2]
+    return root
+
+
 def with_shapes(path: Path, given: str, text: str) -> tuple[str, tuple[str, ...]]:
     """The URDF with shapes that collide, rods for missing meshes, and notes of both.
 
@@ -173,7 +181,7 @@ def with_shapes(path: Path, given: str, text: str) -> tuple[str, tuple[str, ...]
     if "<!" in text.replace("<!--", ""):  # no entities
         return text, ()
     try:
-        robot, written = ET.fromstring(text), ET.fromstring(given)
+        robot, written = _parsed(text), _parsed(given)
         ET.tostring(robot)  # which needs Python's stack
     except ET.ParseError:  # the compiler says it better
         return text, ()

@@ -18,6 +18,7 @@ from models.contact.dissipation import foot_jacobians
 from models.contact.kinematics import Kinematics, Stance
 from models.description.actuators import actuator_of
 from models.description.robot import Robot
+from models.errors import message
 from planner import Array
 
 _TOUCH = 1e-6  # [m]; depth to which the feet are lowered so that contacts appear
@@ -42,6 +43,11 @@ class Ground:
     # engine's soft contacts, not of Coulomb's law.
     push: float = 0.0  # [s]
     frictions: tuple[float, ...] = ()  # of every foot, where they are read
+
+    def __post_init__(self) -> None:
+        springs = *self.contact, *self.servo, self.friction, self.weight, self.push
+        if not (all(x >= 0 for x in springs) and 0 < self.weight < np.inf):
+            raise ValueError(message("no_ground", ground=self))
 
     @property
     def shares(self) -> Array:

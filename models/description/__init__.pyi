@@ -18,17 +18,15 @@ from .inspection import (
     elements_with_files as elements_with_files,
     inspect_model as inspect_model,
 )
-from .makes import (
-    ALSO as ALSO,
-    KNOWN_SERVOS as KNOWN_SERVOS,
-    servo_of as servo_of,
-)
 from .robot import FOLDER as FOLDER
 from .servos import (
+    ALSO as ALSO,
     BOARD_CLOCK as BOARD_CLOCK,
     BOARD_COUNTS as BOARD_COUNTS,
+    KNOWN_SERVOS as KNOWN_SERVOS,
     board_divider as board_divider,
     board_rate as board_rate,
+    servo_of as servo_of,
 )
 from .table import (
     Table as Table,

@@ -11,8 +11,7 @@ from itertools import chain
 from math import inf
 from typing import Any
 
-from models.description.makes import servo_of
-from models.description.servos import BOARD_CLOCK, JointServo, ServoKind
+from models.description.servos import BOARD_CLOCK, JointServo, ServoKind, servo_of
 from models.errors import message
 from planner.support import unknown
 

@@ -97,6 +97,8 @@ def stratified_panels(
         >>> stratified_panels(system, ("f", "g")).change("z", low=(0, 0), by=(2, 3))
         6.0
     """
+    for name in start or ():
+        require_known(f"coordinate {name}", name, [str(s) for s in system.state])
     begin = {s: sp.nsimplify((start or {}).get(str(s), 0.0)) for s in system.state}
     shape = ShapeCoordinates(system)
     functions = [n for n, f in system.fields.items() if isinstance(f, NumericField)]

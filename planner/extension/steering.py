@@ -20,8 +20,15 @@ from planner.extension.bracket_fields import HallFields, hall_fields
 from planner.extension.rectangles import Rectangles, rectangles, sign_choices, weights
 from planner.lie.coordinates import integrate
 from planner.lie.free_lie import lie_algebra
-from planner.lie.input_words import Order, Spelling, joined, scaled, spellings
-from planner.lie.other_words import mirrored_spellings, short_durations
+from planner.lie.input_words import (
+    Order,
+    Spelling,
+    joined,
+    mirrored_spellings,
+    scaled,
+    short_durations,
+    spellings,
+)
 from planner.numerics.arrays import Array
 from planner.systems.elements import Tree, leaves, name_of
 from planner.systems.flows import Word

@@ -15,9 +15,9 @@ from itertools import combinations, product
 import numpy as np
 from numpy.typing import ArrayLike
 
+from planner.errors import message
 from planner.lie.hall import Bracket, Element, degree, hall_basis, is_hall_pair, place
 from planner.lie.tensor import Tensor
-from planner.messages import message
 from planner.numerics.arrays import Array, reals
 
 Expansion = Mapping[Element, int]

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from planner.messages import message
+from planner.errors import message
 from planner.numerics.arrays import Array
 
 
@@ -71,11 +71,8 @@ class Tensor:
 
     def _require_constant(self, number: int) -> None:
         if (self.levels[0] != number).any():
-            name = "exp" if number == 0 else "log"
-            constant = self.levels[0].ravel()[0]
-            raise ValueError(
-                message("constant", of=name, given=constant, wanted=number)
-            )
+            facts = {"of": "log" if number else "exp", "wanted": number}
+            raise ValueError(message("constant", given=self.levels[0].flat[0], **facts))
 
 
 def _outer(a: Array, b: Array) -> Array:

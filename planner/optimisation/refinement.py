@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.messages import message
+from planner.errors import message
 from planner.numerics.arrays import Array
 from planner.optimisation.constraints import Margins, stage_function, whole_state
 from planner.optimisation.corridor import gaps

@@ -5,6 +5,7 @@ from .algorithm import (
 from .archive import (
     load_plan as load_plan,
     save_plan as save_plan,
+    system_table as system_table,
 )
 from .chained_forms import (
     ChainedForm as ChainedForm,

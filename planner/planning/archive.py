@@ -78,22 +78,27 @@ def save_plan(plan: Plan, path: Path | str) -> None:
     """Write a plan to a file, as a whole or not at all.
 
     Raises:
-        ValueError: The plan's system has fields known as functions only.
+        ValueError: It has fields known as functions only, or is too large to be read.
         OSError: The file cannot be written.
 
     Example:
         >>> from planner import StratifiedSystem, line, load_plan, plan, save_plan
         >>> fields = {"f": [1, 0, 0], "g": [0, 1, "x"]}
         >>> system = StratifiedSystem("x y z", {"0": fields}, "0")
-        >>> save_plan(plan(system, line((0, 0, 0), (0, 0, 1)), 1), "plan.npz")
-        >>> len(load_plan("plan.npz").flows)
+        >>> save_plan(plan(system, line((0, 0, 0), (0, 0, 1)), 1), "plan.json")
+        >>> len(load_plan("plan.json").flows)
         4
     """
     table = {"format": FORMAT} | vars(plan) | {"system": system_table(plan.system)}
+    system_from(table["system"])  # what could not be read again is refused
     if not plan.gait:
         del table["gait"]
+    text = json.dumps(table, default=np.ndarray.tolist)
+    if len(text) > MOST_BYTES:
+        facts = {"size": len(text) / 1e6, "most": MOST_BYTES / 1e6}
+        raise ValueError(message("too_long", **facts))
     with whole_file(path) as part:
-        part.write_text(json.dumps(table, default=np.ndarray.tolist), "utf-8")
+        part.write_text(text, "utf-8")
 
 
 def load_plan(path: Path | str) -> Plan:
@@ -107,8 +112,8 @@ def load_plan(path: Path | str) -> Plan:
         >>> from planner import StratifiedSystem, line, load_plan, plan, save_plan
         >>> fields = {"f": [1, 0, 0], "g": [0, 1, "x"]}
         >>> system = StratifiedSystem("x y z", {"0": fields}, "0")
-        >>> save_plan(plan(system, line((0, 0, 0), (1, 0, 0)), 2), "plan.npz")
-        >>> load_plan("plan.npz").hall_coordinates.shape
+        >>> save_plan(plan(system, line((0, 0, 0), (1, 0, 0)), 2), "plan.json")
+        >>> load_plan("plan.json").hall_coordinates.shape
         (2, 3)
     """
     try:

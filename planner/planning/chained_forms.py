@@ -221,8 +221,7 @@ def chained_form(
     """
     fields = list(system.fields.values())
     if len(fields) != 2 or any(isinstance(f, NumericField) for f in fields):
-        remedy = "a chained form has two, by formulas"
-        raise PlannerError(f"the system has {len(fields)} fields; {remedy}")
+        raise PlannerError(message("two_fields", count=len(fields)))
     columns = [sp.Matrix(field) for field in fields]
     if outputs is not None:
         return _formed(system, columns, outputs.of(system.state))

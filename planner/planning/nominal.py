@@ -103,22 +103,20 @@ def sample(path: Path, system: StratifiedSystem, segments: int, nodes: int) -> A
 
 
 def extend_along(
-    system: StratifiedSystem | ExtendedSystem,
-    elements: Iterable[str] | None,
-    path: Path,
+    system: StratifiedSystem | ExtendedSystem, names: Iterable[str] | None, path: Path
 ) -> ExtendedSystem:
-    """The extended system of given elements, or of those that span along a path.
+    """The extended system of elements of some names, or of those that span on a path.
 
     They are chosen by `extension.choice` if none are given. A system that is extended
     already is returned unchanged.
     """
     if isinstance(system, ExtendedSystem):
-        if elements is not None:
+        if names is not None:
             raise ValueError("elements are given twice: the system is extended already")
         return system
-    if elements is None:
-        elements = _chosen(system, sample(path, system, 1, CHOICE_NODES).tobytes())
-    return extend(system, elements)
+    if names is None:
+        names = _chosen(system, sample(path, system, 1, CHOICE_NODES).tobytes())
+    return extend(system, names)
 
 
 @lru_cache(maxsize=KEPT)

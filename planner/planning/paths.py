@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from planner.messages import message
+from planner.errors import message
 from planner.numerics.arrays import Array, reals
 
 COLUMNS = ("x", "y", "yaw")  # [m], [m], [rad]

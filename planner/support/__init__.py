@@ -9,9 +9,10 @@ from planner.errors import (
     did_you_mean as did_you_mean,
     installing as installing,
     point as point,
+    sentences as sentences,
+    shipped_tables as shipped_tables,
     unknown as unknown,
 )
-from planner.messages import sentences as sentences, shipped_tables as shipped_tables
 from planner.support.files import (
     open_file as open_file,
     read_file as read_file,

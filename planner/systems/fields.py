@@ -43,6 +43,9 @@ def bracket(f: sp.Matrix, g: sp.Matrix, x: Sequence[sp.Symbol]) -> sp.Matrix:
         [0, 0, 1]
     """
     f, g = (_column(field, len(x)) for field in (f, g))
+    others = (f.free_symbols | g.free_symbols) - set(x)
+    if namesakes := {str(s) for s in others} & {str(s) for s in x}:
+        raise ValueError(message("namesake", name=min(namesakes)))
 
     def change(of: sp.Matrix, along: sp.Matrix) -> list[sp.Expr]:
         moving = [(s, speed) for s, speed in zip(x, along, strict=True) if speed != 0]
@@ -122,22 +125,19 @@ def _called(function: Callable[[Array], ArrayLike], x: Array) -> ArrayLike:
 
 
 def central_difference(
-    function: Callable[[Array], Array],
-    x: Array,
-    direction: Array,
-    step: float = DIFFERENCE,
+    function: Callable[[Array], Array], x: Array, along: Array, step: float = DIFFERENCE
 ) -> Array:
     """Derivative of a function along a direction of any length, by central differences.
 
     Those of three step sizes, `step` the largest, are extrapolated to the sixth order.
     """
-    size = float(np.linalg.norm(direction))
+    size = float(np.linalg.norm(along))
     if size == 0.0:
         return np.zeros_like(function(x))
-    along = direction / size
+    unit = along / size
 
     def quotient(h: float) -> Array:
-        return (function(x + h * along) - function(x - h * along)) / (2 * h)
+        return (function(x + h * unit) - function(x - h * unit)) / (2 * h)
 
     coarse, middle, fine = (quotient(step / 2**k) for k in range(3))
     return size * (64 * fine - 20 * middle + coarse) / 45

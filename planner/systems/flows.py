@@ -138,16 +138,13 @@ def flow_map(
 
 
 def word_ends(
-    system: StratifiedSystem,
-    words: Sequence[Word],
-    starts: Array,
-    nodes: int = STEP_NODES,
+    system: StratifiedSystem, words: Sequence[Word], at: Array, nodes: int = STEP_NODES
 ) -> Array:
     """Where words end, each from its start, shape (words, n); nan where they escape.
 
     All that are about to follow one field of a changing velocity do so at once.
     """
-    ends, alike = starts.copy(), dict[tuple[str, ...], list[int]]()
+    ends, alike = at.copy(), dict[tuple[str, ...], list[int]]()
     for i, word in enumerate(words):
         alike.setdefault(word.fields, []).append(i)
     parts = [_stops(system, words, rows, ends) for rows in alike.values()]

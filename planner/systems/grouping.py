@@ -249,18 +249,15 @@ def _onward(
 
 
 def regroup_in_gait(
-    grouper: Grouper,
-    segments: Sequence[Sequence[Word]],
-    gait: Sequence[str],
-    start: str,
+    grouper: Grouper, segments: Sequence[Sequence[Word]], gait: Sequence[str], at: str
 ) -> list[list[Flow]]:
     """Flows of each segment in the order of a gait, with the fewest steps of it.
 
-    Each segment has words to choose from; `start` is the stratum before the first flow.
+    Each segment has words to choose from; `at` is the stratum before the first flow.
     """
     cycle = Gait(grouper.system, tuple(gait)).once_around
     plans = []
-    for place in places_in(cycle, start):
+    for place in places_in(cycle, at):
         ordered: list[list[Flow]] = []
         for ways in segments:
             found = [(*_ordered(grouper, w.fields, cycle, place), w) for w in ways]

@@ -19,7 +19,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike
 
-from planner.errors import StratumError, message, point, require_known
+from planner.errors import StratumError, message, point, require_known, unknown
 from planner.numerics.arrays import Array
 from planner.numerics.subspaces import directions_beyond
 from planner.systems.declaration import (
@@ -29,13 +29,13 @@ from planner.systems.declaration import (
     checked_state,
     checked_strata,
 )
-from planner.systems.fields import (
-    CompiledFields,
-    Symbols,
-    VectorField,
-    compile_fields,
-)
+from planner.systems.fields import CompiledFields, Symbols, VectorField, compile_fields
 from planner.systems.level_sets import LevelSet
+
+
+class _Fields(dict[str, VectorField]):
+    def __missing__(self, name: str) -> VectorField:
+        raise ValueError(f"field {name} {unknown(name, self)}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,6 +98,12 @@ class StratifiedSystem:
         for stratum in self.strata:
             self._require_tangent_fields(stratum)
 
+    def __reduce__(self) -> tuple[object, ...]:
+        """Travel between processes and be copied, by all that was given."""
+        given = self.bottom, self.level_sets, self.metric, self.lifts
+        strata = {stratum: dict(own) for stratum, own in self.strata.items()}
+        return type(self), (self.state, strata, *given)
+
     @property
     def dimension(self) -> int:
         """Number n of coordinates of the state."""
@@ -124,12 +130,11 @@ class StratifiedSystem:
     @cached_property
     def fields(self) -> dict[str, VectorField]:
         """All fields by name, in the order in which generators are numbered."""
-        return {name: f for own in self.strata.values() for name, f in own.items()}
+        return _Fields(pair for own in self.strata.values() for pair in own.items())
 
     def compiled(self, name: str) -> CompiledFields:
         """A field as a numeric function, compiled at the first call."""
         if name not in self._compiled:
-            require_known(f"field {name}", name, self.fields)
             compiled = compile_fields([self.fields[name]], self.state, [name])
             self._compiled[name] = compiled
         return self._compiled[name]

@@ -70,8 +70,7 @@ def _prepare(
     robot: Robot, kind: ServoKind, folder: RunFolder, options: argparse.Namespace
 ) -> None:
     """Write what jogs the servos, and the page with the pictures of the joints."""
-    tool = SKETCH if kind.signal == "pulse" else SCRIPT
-    rate = kind.command_rate
+    tool, rate = SKETCH if kind.signal == "pulse" else SCRIPT, kind.command_rate
     text = render(
         tool.replace(".py", ".txt"),
         CLOCK=f"{BOARD_CLOCK:.0f}",
@@ -190,7 +189,7 @@ def _found(
             try:
                 return joint_servo(kind, clock, channel, turned, (one, two), angles)
             except ValueError as error:
-                print(printable(f"  {error}"))
+                ask.refuse(error)
 
     for channel in channels:
         if channel in taken or not left:
@@ -216,21 +215,28 @@ class _Asker:
             try:
                 lines = iter(read_text(file).splitlines())
             except (OSError, ValueError) as error:
-                remedy = "give a file of answers, a line each"
-                raise UsageError.at(file, error, remedy) from error
+                raise UsageError.at(file, error, "give answers, a line each") from error
             self._answer = lambda _: next(lines)
 
     def __call__(self, question: str, read: Callable[[str], T]) -> T:
-        """What is answered, as `read` has it, which may refuse: asked again."""
+        """What is answered, as `read` has it; whom it refuses is asked again."""
         for _ in range(MOST_MISTAKES):
             try:
                 return read(self._answer(question).strip())
             except (EOFError, StopIteration):
                 raise UsageError("answers end", self._place, way_on()) from None
             except (ValueError, argparse.ArgumentTypeError) as error:
-                print(printable(f"  {error}"))
+                self.refuse(error)
         what = f"{MOST_MISTAKES} answers to one question cannot be used"
         raise UsageError(what, self._place, way_on())
+
+    def refuse(self, error: Exception) -> None:
+        """Say why an answer cannot be used, with which those of a file end."""
+        if self._answer is input:  # a person will be asked again
+            print(printable(f"  {error}"))
+            return
+        on = f"leave in it the answers that are yet to be used; {way_on()}"
+        raise UsageError(f"an answer that cannot be used, {error}", self._place, on)
 
 
 def _check(robot: Robot, kind: ServoKind, folder: RunFolder) -> Mapping[str, str]:

@@ -29,11 +29,10 @@ KEY = "arrows from feet: a change of that leg\nfrom the middle: of body, floor, 
 def compare(options: argparse.Namespace) -> None:
     """Print the comparison, and write its page."""
     if len(options.runs) < 2:
-        what = "a single run cannot be compared"
         newest = cli.runs_in(Path(options.runs[0]))[1::-1]
         two = f"write {command('compare', *newest)}" if newest[1:] else ""
-        remedy = two or "give two or more, or stratawalk show RUN"
-        raise UsageError(what, options.runs[0], remedy)
+        ways = two or "give two or more, or stratawalk show RUN"
+        raise UsageError("a single run cannot be compared", options.runs[0], ways)
     path = (
         None if options.out is None else new_file(Path(options.out), "page", *cli.PAGES)
     )

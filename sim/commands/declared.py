@@ -41,15 +41,15 @@ class Command:
         except ModuleNotFoundError as error:
             if not self.extra or error.name in ("planner", "models", "sim"):
                 raise
-            what, where = f"package {error.name!r} is not installed", repr(self.extra)
-            remedy = installing(self.extra)
-            raise UsageError(what, f"the extra {where}", remedy) from error
+            how, where = installing(self.extra), f"the extra {self.extra!r}"
+            raise UsageError.of("lacks", where, name=error.name, how=how) from error
 
 
 def declare(parser: argparse.ArgumentParser, name: str) -> None:
     """Give the parser of a command its options, and what executes it."""
     declared = COMMANDS[name]
     parser.description, example = declared["help"], declared.get("example")
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter  # examples in a line
     parser.epilog = example and f"for example: {example}"
     if "settings" in declared:
         _add_options(parser, OF_SCENARIOS)

@@ -108,15 +108,11 @@ def _headings(setup: Setup, legs: Sequence[Leg]) -> Array:
 
 
 def foreseen(
-    setup: Setup,
-    legs: Sequence[Leg],
-    rows: Iterable[Array],
-    times: Array,
-    contact: Array,
+    setup: Setup, legs: Sequence[Leg], rows: Iterable[Array], t: Array, contact: Array
 ) -> CompliantPrediction:
-    """The prediction of a walk at times (T,) [s], with its planned contacts (T, F)."""
+    """The prediction of a walk at times t (T,) [s], beside planned contacts (T, F)."""
     phases = phases_of(setup)
-    motion = phases.follow(course_of(setup, phases, legs, rows)).at(times)
+    motion = phases.follow(course_of(setup, phases, legs, rows)).at(t)
     return CompliantPrediction(
         pose=np.column_stack([motion.pose[:, :2], wrap(motion.pose[:, 2])]),
         slip=motion.slip,

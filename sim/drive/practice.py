@@ -34,16 +34,13 @@ class Practised:
         self.drive, self.engine = Drive(setup), Engine(setup.model)
 
     def walk(
-        self,
-        schedule: Schedule,
-        made_up: FeedForward | None,
-        shifts: FeedForward | None,
+        self, schedule: Schedule, made: FeedForward | None, shifts: FeedForward | None
     ) -> tuple[FeedForward, Array]:
         """Angles of all leg joints along a schedule, and the pose after it."""
         model, joints = self.setup.model, self.setup.robot.card.joints
         rows = [
             turned(model, qpos, joints, BACKLASH)
-            for ctrl in self.drive.commands(schedule, made_up, practised=shifts)
+            for ctrl in self.drive.commands(schedule, made, practised=shifts)
             for qpos in [self.engine.advance(ctrl).qpos]
         ]
         pose = self.setup.pose(self.engine.state.qpos)

@@ -164,7 +164,7 @@ def evaluate(
     strata = {phase.stratum for phase in walk.phases if phase.kind == "swing"}
     asked: Collection[str] = setup.scenario.predictions or PREDICTIONS
     for name in (names := tuple(PREDICTIONS) if motion is None else OF_MOTIONS):
-        if name in without or (name not in asked and name != names[0]):
+        if name != names[0] and (name in without or name not in asked):
             unpredicted[name] = "left out"
             continue
         try:

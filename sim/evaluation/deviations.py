@@ -15,6 +15,7 @@ import numpy as np
 
 from models import IdentifiedTwists, MeasurementError, TwistModel
 from planner import Array, Path
+from sim.errors import message
 from sim.evaluation.summary import (
     DEGREE,
     NEAR,
@@ -239,7 +240,5 @@ def require_holding(
         fields = (f for f in twists.fields.values() if f.stratum in strata)
         off = max((field.off for field in fields), default=0.0)
     if length and off * walk.distance > TRUSTED_MISS * length:
-        whole = f"{100 * off * walk.distance / length:.0f} % of the path"
-        raise MeasurementError(
-            f"not made, since its error on a test stroke could add up to {whole}"
-        )
+        share = 100 * off * walk.distance / length
+        raise MeasurementError(message("untrusted", share=share))

@@ -26,6 +26,7 @@ GATE = 11.345  # 99 % of chi-squared with three degrees of freedom
 STRANGE = 3  # readings in a row beyond the gate that mean that the robot was moved
 NEARLY_UNKNOWN = np.array([0.02, 0.02, 0.05])  # bias, for the bound [m], [m], [rad]
 LEAST = 1e-12  # standard deviation [m], [rad], which keeps exact readings regular
+ABSURD = 1e9  # [m], [rad] or [s]; what is more is a mistake
 LOWER = np.tril_indices(12)  # of the covariance of b and A
 
 
@@ -156,16 +157,22 @@ class Feedback:
 
         It is (I + A)^-1 (wanted - b), shape (..., 3); x, y [m], yaw [rad].
         """
-        wanted = seen_from(self.pose, np.broadcast_to(target, self.pose.shape))
+        wanted = seen_from(self.pose, self._motion(target, "target"))
         left = (wanted - self.bias)[..., None]
         return np.linalg.solve(np.eye(3) + self.slope, left)[..., 0]
 
+    def _motion(self, given: ArrayLike, what: str) -> Array:
+        """A pose or step of every walk, (..., 3)."""
+        numbers = np.asarray(given, dtype=float)
+        if numbers.shape[-1:] != (3,) or not (np.abs(numbers) < ABSURD).all():
+            raise ValueError(f"the {what} {given!r} is not x, y [m] and yaw [rad]")
+        return np.broadcast_to(numbers, self.pose.shape)
+
     def moved(self, meant: ArrayLike, seconds: float = 1.0) -> None:
         """Take note of a segment that was walked, and of the time that it took [s]."""
-        meant = np.asarray(meant, dtype=float)
-        if not np.isfinite(meant).all():
-            what = f"a step that is not finite: {meant.tolist()}"
-            raise ValueError(f"{what}; leave it out")
+        meant = self._motion(meant, "step")
+        if not 0.0 <= seconds < ABSURD:
+            raise ValueError(f"a step of {seconds} s; give the time that it took")
         step = meant + self.missing(meant)
         turn = np.zeros((*self.batch, 3, 3))
         for axis in range(2):
@@ -201,7 +208,7 @@ class Feedback:
         if pose is None:
             return
         reading = np.asarray(pose, dtype=float)
-        if reading.shape[-1:] != (3,) or np.isinf(reading).any():
+        if reading.shape[-1:] != (3,) or (np.abs(reading) >= ABSURD).any():
             raise ValueError(f"{pose} is not x, y [m] and yaw [rad], or NaN")
         off = reading - self.pose
         off[..., 2] = wrap(off[..., 2])

@@ -19,12 +19,10 @@ SEGMENTS = (1, 4, 16, 60)  # drawn
 TUBE_SEGMENTS = (1, 2, 4, 8, 16, 32, 60, 120, 240)  # measured
 GOAL = (1.0, 1.0, 0.0)
 FINER = len(TUBE_SEGMENTS) // 2  # from which on their power is that of the limit
-METRES_GOAL = (0.03, 0.03, 0.0)
+METRES = (0.03, 0.03, 0.0)
 METRES_LENGTH = 0.03 * np.sqrt(2)
 WALKS = {
-    f"line-{n}": Job(
-        "line", {"path.goal": METRES_GOAL, "segments": n}, cost=0.6 + n / 10
-    )
+    f"line-{n}": Job("line", {"path.goal": METRES, "segments": n}, cost=0.6 + n / 10)
     for n in SEGMENTS
 }
 
@@ -57,7 +55,7 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
     for panel, walked in zip("abc", coarse, strict=True):
         style.draw_walk(axes[panel], walked)
     _draw_bands(axes["d"], finest)
-    produced = np.outer([-1.0, 2.0], METRES_GOAL[:2])  # the line, beyond its ends
+    produced = np.outer([-1.0, 2.0], METRES[:2])  # the line, beyond its ends
     widths = {
         n: np.array([swing_out(w.pose[n][:, :2], w.ends, produced).max() for w in made])
         for n in ("ideal", "achieved")
@@ -71,7 +69,7 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
         axes["e"].loglog(length, MM * widths[name], fmt, label=label, **_dots(colour))
     off, at_end = [], {n: np.array([w.pose[n][-1] for w in made]) for n in PATHS}
     for name, there, fmt, colour in (
-        ("goal", METRES_GOAL, "^--", NOMINAL),
+        ("goal", METRES, "^--", NOMINAL),
         ("ideal", at_end["ideal"], "o-", IDEAL),
         ("quasi-static", at_end["quasi_static"], "s-", QUASI_STATIC),
     ):
@@ -96,7 +94,7 @@ def _draw_bands(axes: Axes, walked: Walked) -> None:
     """What the physics swings over, and the rims of both predictions."""
     axes.plot(*(MM * walked.nominal.T), "--", color=NOMINAL, zorder=3)
     for name, look in PATHS.items():
-        rims = MM * envelope(walked.pose[name][:, :2], walked.ends, METRES_GOAL)
+        rims = MM * envelope(walked.pose[name][:, :2], walked.ends, METRES)
         if name == "achieved":
             _fill_between(axes, rims, look["color"])
         for rim in rims if name != "achieved" else ():

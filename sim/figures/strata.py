@@ -124,9 +124,8 @@ def draw_graph(
         n.name: _draw_node(axes, n, (notes or {}).get(n.name, ""), n is not bottom)
         for n in nodes.values()
     }
-    _draw_bottom(
-        axes, bottom, [SPREAD * n.at[0] for n in nodes.values() if n.at[1] == 1]
-    )
+    above = [SPREAD * n.at[0] for n in nodes.values() if n.at[1] == 1]
+    _draw_bottom(axes, bottom, above)
     faint: Style = {"color": ABSENT, "linewidth": 0.5, "zorder": 0}
     strong: Style = {"color": NOMINAL, "linewidth": 1.2, "zorder": 1}
     for pairs, style in ((graph.edges, faint), (graph.joined, strong)):

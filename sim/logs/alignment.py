@@ -77,9 +77,8 @@ def measured(log: Log, time: Array, predicted: Array) -> Measured | None:
     """
     lean = {}
     if log.lean is not None:
-        both = zip(
-            ("roll", "pitch"), _since_first(time, log.time, log.lean).T, strict=True
-        )
+        leans = _since_first(time, log.time, log.lean).T
+        both = zip(("roll", "pitch"), leans, strict=True)
         lean = {name: angle for name, angle in both if np.isfinite(angle).all()}
     if log.pose is None or not np.isfinite(log.pose[:, 0]).any():
         other = lean or log.measured is not None or log.contact
@@ -88,10 +87,8 @@ def measured(log: Log, time: Array, predicted: Array) -> Measured | None:
     if missing := np.count_nonzero(~np.isfinite(log.pose[:, 0])):
         done.append(f"poses are interpolated in rows that have none, {missing} in all")
         last = log.time[np.isfinite(log.pose[:, 0])][-1]
-        if last < log.time[-1]:
-            done.append(
-                f"no pose was measured after {last:.4g} s, and that one is held"
-            )
+        held = f"no pose was measured after {last:.4g} s, and that one is held"
+        done += [held] * bool(last < log.time[-1])
     pose = _finite(time, log.time, log.pose)
     if not np.isfinite(pose[:, 2]).all():
         pose[:, 2] = predicted[:, 2]

@@ -74,6 +74,8 @@ class Log:
             raise ValueError("a command is not a finite number")
         if self.time[0] or (np.diff(self.time) <= 0).any():
             raise ValueError("time does not ascend from 0")
+        if (most := float(np.abs(self.commanded).max())) > FARTHEST:
+            raise ValueError(f"a command of {most:.3g} rad; give angles in radians")
 
     @property
     def duration(self) -> float:

@@ -113,9 +113,8 @@ class Engine:
 
     def _check_warnings(self, record: Record) -> None:
         now = self._batch.warning
-        risen = np.flatnonzero(
-            (now != self._warnings).reshape(-1, now.shape[-1])[..., -1]
-        )
+        differ = (now != self._warnings).reshape(-1, now.shape[-1])
+        risen = np.flatnonzero(differ[..., -1])
         if len(risen):
             moved = np.flatnonzero((np.diff(record.qpos, axis=0) != 0).any(axis=1))
             step = int(moved[-1]) + 1 if len(moved) else 0

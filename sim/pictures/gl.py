@@ -45,8 +45,7 @@ def probe() -> str:
     """
     asked = os.environ.get(ASKED, os.environ.get("MUJOCO_GL", "")).strip().lower()
     if asked in OFF:
-        remedy = f"unset MUJOCO_GL, or set it to {BACKENDS[0]}"
-        raise RenderError("pictures are switched off", f"MUJOCO_GL={asked}", remedy)
+        raise RenderError.of("no_pictures", f"MUJOCO_GL={asked}", to=BACKENDS[0])
     return _first_that_draws(tuple(sorted(BACKENDS, key=lambda name: name != asked)))
 
 

@@ -256,21 +256,18 @@ def steer_towards(
 
 
 def segment_ends(
-    setup: Setup,
-    planned: Plan,
-    twists: TwistModel,
-    swing: tuple[float, ...] | None = None,
+    setup: Setup, plan: Plan, twists: TwistModel, swing: tuple[float, ...] | None = None
 ) -> Array:
     """Predicted pose at the start and at the end of each segment, (segments + 1, 3).
 
     The walk begins with every group at `swing` [rad], or at angle 0.
     """
     swings, groups = setup.equations.swings, setup.robot.groups
-    flows, start = planned.flows, np.zeros(len(groups)) if swing is None else swing
+    flows, start = plan.flows, np.zeros(len(groups)) if swing is None else swing
     moves = [(f.stratum, np.multiply(swings[f.field], f.duration)) for f in flows]
     strokes, loaded = Strokes.among(moves, groups, start)
     clock = np.concatenate([[0], np.cumsum(loaded)])
-    ends = clock[[0, *planned.segment_ends]].astype(float)
+    ends = clock[[0, *plan.segment_ends]].astype(float)
     return strokes.travel(twists, setup.kinematics).pose(ends)
 
 

@@ -240,7 +240,7 @@ def prepare(
         ('hexapod', 12)
     """
     shared = shared or Shared()
-    if robot is None or robot.geometry != (scenario.geometry or {}):
+    if robot is None or robot.geometry != (scenario.geometry or robot.geometry):
         read = partial(load, scenario.robot, geometry=scenario.geometry)
         robot = shared.cached("robot", (scenario.robot, str(scenario.geometry)), read)
     scenario = with_own_band(drawn(scenario, robot), robot.card)

@@ -172,7 +172,7 @@ class ScenarioProblem(Problem):
     def attempt(self, share: float = 1.0) -> float:
         """What a stratified plan for the first part of the path misses of its end."""
         path = self.path
-        if self.replan:
+        if self.replan or (share == 1 and self.words != "printed"):  # which is aimed
             planned = self.stratified
             self.check(planned)
         else:

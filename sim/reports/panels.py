@@ -192,9 +192,8 @@ def _contacts(run: Run) -> Drawing:
             ("not as planned", LIMIT),
         ]
         keys = [Key(label, colour, filled=True) for label, colour in shown]
-        return finish(
-            figure, "Contacts of the feet, and strata", keys, NOTES["contacts"]
-        )
+        note = NOTES["contacts"]
+        return finish(figure, "Contacts of the feet, and strata", keys, note)
 
 
 def _bars(axes: Axes, spells: Array, y: float, high: float, colour: str) -> None:

@@ -97,8 +97,7 @@ class Run:
     def require_width(self, array: Array, width: int) -> None:
         """Refuse states or commands that are not those of the model."""
         if array.shape[1:] != (width,):
-            what = f"rows of {array.shape[1:]} numbers where its model has {width}"
-            raise UsageError(what, str(self.folder), "walk the scenario again")
+            raise UsageError.of("widths", self.folder, own=array.shape[1:], model=width)
 
     @cached_property
     def scenario(self) -> Scenario:

@@ -49,9 +49,8 @@ class Scenario(Settings):
         super().__post_init__()
         for name in self.known if isinstance(self.known, tuple) else ():
             if name not in IMPERFECTIONS:
-                what = f"known names {name!r}, which is no imperfection"
-                where = f"scenario {self.name!r}"
-                raise UsageError(what, where, did_you_mean(name, IMPERFECTIONS))
+                facts = {"name": name, "near": did_you_mean(name, IMPERFECTIONS)}
+                raise UsageError.of("known", f"scenario {self.name!r}", **facts)
 
     @property
     def steered_on(self) -> str:
@@ -122,7 +121,7 @@ def drawn(scenario: Scenario, robot: Robot) -> Scenario:
     times as soft. The same robot and `draw` give the same values, which replace those
     that are given.
     """
-    scenario = _fitted(scenario, robot)
+    scenario = replace(_fitted(scenario, robot), geometry=robot.geometry or None)
     if scenario.imperfect is None:
         return scenario
     random = np.random.default_rng(scenario.draw)
@@ -148,8 +147,7 @@ def _fitted(scenario: Scenario, robot: Robot) -> Scenario:
     found: dict[str, Any] = {}
     for key, value in robot.card.fitted.items():
         if key not in known:
-            what = f"[fitted] has no key {key!r}"
-            raise UsageError(what, card, did_you_mean(key, known))
+            raise UsageError.of("fitted", card, key=key, near=did_you_mean(key, known))
         if key in FITTED and getattr(scenario, key) == SETTINGS[key].default:
             kind, allowed = SETTINGS[key].kind, SETTINGS[key].allowed
             found[key] = accept(value, kind, allowed, card, key)

@@ -218,8 +218,8 @@ def _place(axes: Axes, results: Results, key: str, way: str) -> list[float]:
     if _is_table(values):
         labels = _labels(values)
         if len(labels) > MOST_LABELS:
-            what, remedy = f"{len(labels)} values of {key}", f"vary {MOST_LABELS} words"
-            raise UsageError(what, "the table", f"{remedy} at most in one map")
+            facts = {"count": len(labels), "key": key, "most": MOST_LABELS}
+            raise UsageError.of("labels", "the table", **facts)
         getattr(axes, f"set_{way}ticks")(range(len(labels)), labels)
         getattr(axes, f"set_{way}lim")(-0.5, len(labels) - 0.5)
         return [float(labels.index(_label(value))) for value in values]

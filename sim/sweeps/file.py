@@ -154,8 +154,7 @@ def _run_folders(table: Table, count: int) -> tuple[tuple[int, ...], bool]:
     require_keys(table, "[keep]", (), ("points", "film"))
     numbers = points if isinstance(points, list) else [None]
     if not all(type(point) is int and 0 <= point < count for point in numbers):
-        remedy = f"give a list of whole numbers from 0 to {count - 1}"
-        raise UsageError(f"points = {points!r} is not allowed", "[keep]", remedy)
+        raise UsageError.of("kept", "[keep]", points=points, last=count - 1)
     if not isinstance(filmed, bool):
         raise UsageError(f"film = {filmed!r}", "[keep]", "give true or false")
     return tuple(sorted(set(numbers))), filmed

@@ -101,8 +101,9 @@ class About:
             except FileNotFoundError:
                 return None
             except UNREADABLE as error:
-                what = "not as a sweep wrote it"
-                raise UsageError(what, str(path), remedy) from error
+                raise UsageError(
+                    "not as a sweep wrote it", str(path), remedy
+                ) from error
 
     @property
     def sweep(self) -> Sweep:

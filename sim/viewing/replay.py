@@ -57,8 +57,8 @@ def _page(walk: Run, progress: Callable[[float], None]) -> str:
     try:
         import viser
     except ImportError as error:
-        what, remedy = "no replay without viser", installing("replay")
-        raise UsageError(what, "replay", remedy) from error
+        how = installing("replay")
+        raise UsageError("no replay without viser", "replay", how) from error
     with redirect_stdout(StringIO()):  # it tells of a server that nobody needs
         server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
         try:

@@ -14,7 +14,7 @@ import numpy as np
 
 from models import Robot, equations
 from planner import Array, Flow, Plan
-from planner.planning import Step
+from planner.planning import Step, system_table
 from sim.drive.drive import Drive
 from sim.drive.rehearsal import Beforehand
 from sim.errors import UsageError
@@ -187,8 +187,10 @@ def walk(robot: Robot, plan: Plan, progress: Progress = silent, **changes: Any) 
         43
     """
     setup = prepare(_scenario_of(robot, plan, changes), robot)
-    if plan.system != setup.equations.system:
+    if system_table(plan.system) != system_table(setup.equations.system):
         raise UsageError.of("foreign_plan", "sim.walk", name=robot.name)
+    if (start := plan.nominal[0]).any():
+        raise UsageError.of("not_at_rest", "sim.walk", start=start.tolist())
     require_sound(setup, plan)
     return carry_out(Walker(setup, progress), plan)
 

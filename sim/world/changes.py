@@ -15,7 +15,7 @@ from models import Robot
 from models.description import ON_JOINT
 from planner.support import shipped_tables
 from sim.scenarios.scenario import Scenario
-from sim.world.floor import floor_pairs
+from sim.world.floor import SOLVING, floor_pairs, scene
 from sim.world.motors import added_rotors, undamped_joints
 from sim.world.servos import (
     couplings,
@@ -33,11 +33,12 @@ def changes(robot: Robot, scenario: Scenario) -> Iterator[str]:
     spec, asked = robot.read(), servo_settings(scenario, robot.card)
     motors = {a.target for a in spec.actuators if a.trntype in ON_JOINT}
     added, feet = added_rotors(robot, asked), [spec.geom(n) for n in robot.card.feet]
-    pairs = floor_pairs(spec, robot)
+    pairs, ours = floor_pairs(spec, robot), scene().option
     bound = [robot.model.eq(n).name or f"number {n + 1}" for n in couplings(robot)]
     found: dict[str, Sequence[str]] = {  # names of parts by what is done to them
         "other_drives": other_drives(robot),
         "couplings": bound,
+        "options": [n for n in SOLVING if getattr(spec.option, n) != getattr(ours, n)],
         "motors": [j for j in joints_without_servo(robot) if j in motors],
         "delayed": delayed_servos(robot),
         "rotors": [*added],

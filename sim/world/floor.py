@@ -46,6 +46,12 @@ class _Plane:
         return f"plane {self.geom.name!r}" if self.geom.name else "its unnamed plane"
 
 
+SOLVING = (  # options of which a robot's file has no say: how exact the physics is
+    "solver", "iterations", "tolerance", "ls_iterations", "ls_tolerance", "enableflags",
+    "noslip_iterations", "noslip_tolerance", "disableflags", "disableactuator",
+)  # fmt: skip
+
+
 def scene() -> mujoco.MjSpec:
     """A copy of the shipped scene: solver settings, floor, light."""
     return mujoco.MjSpec.from_file(str(FOLDER / "scene.xml"))

@@ -22,7 +22,7 @@ from planner import Array
 from sim.errors import message
 from sim.scenarios.scenario import Scenario
 from sim.world.dead_bands import ensure_dead_bands
-from sim.world.floor import Floor, add_bumps, ensure_floor, scene
+from sim.world.floor import SOLVING, Floor, add_bumps, ensure_floor, scene
 from sim.world.imperfections import BACKLASH, add_imperfections
 from sim.world.motors import common_servo, ensure_motors
 from sim.world.sensors import add_walls, ensure_sensors
@@ -53,7 +53,7 @@ class World:
 def build(robot: Robot, scenario: Scenario) -> World:
     """Robot and world, self-contained."""
     spec, own = robot.read(), scene().option
-    for name in ("integrator", "cone", "impratio", "jacobian", "enableflags"):
+    for name in ("integrator", "cone", "impratio", "jacobian", *SOLVING):
         setattr(spec.option, name, getattr(own, name))
     spec.option.timestep = scenario.timestep
     floor = ensure_floor(spec, robot)
@@ -103,6 +103,7 @@ def ensure_start(spec: mujoco.MjSpec, robot: Robot, floor: Floor) -> float:
     """
     for key in list(spec.keys):
         spec.delete(key)
+    spec.nkey = 0  # for which a file may have kept more room
     kinematics, place = Kinematics(robot), 0
     down = float(kinematics.standing.height.min() - floor.height)
     down = down if abs(down) > AJAR else 0.0
@@ -179,8 +180,7 @@ def explicitness(model: mujoco.MjModel) -> float:
     damping -= np.diag(model.dof_damping)
     change = np.linalg.solve(inertia, h * damping + h**2 / 2 * stiffness)
     if not np.isfinite(change).all():
-        remedy = "give smaller numbers, first wind and density of <option>"
-        raise ModelError(f"forces that are not finite: the robot's start; {remedy}")
+        raise ModelError(message("forces"))
     return float(np.linalg.eigvals(change).real.max())
 
 

@@ -242,14 +242,20 @@ def other_drives(robot: Robot) -> list[str]:
 
 
 def couplings(robot: Robot) -> list[int]:
-    """Equations of the file that tie leg joints to others, directly or by tendons."""
+    """Equations that tie leg joints to others, also by tendons, or the robot down."""
     model = copy(robot.model)
     model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
     data, dofs = _at_start(model, robot)
-    moved = (np.abs(data.efc_J.reshape(-1, model.nv)) > MOVES)[:, sorted(dofs)]
+    slopes = data.efc_J.reshape(-1, model.nv)[: data.nefc]  # room may be left behind
+    moved = np.abs(slopes[:, sorted(dofs)]) > MOVES
     equal = data.efc_type == int(mujoco.mjtConstraint.mjCNSTR_EQUALITY)
     numbers = np.unique(data.efc_id[equal & moved.any(axis=1)])
-    return numbers[np.isin(model.eq_type[numbers], COUPLING)].tolist()
+    bodies = model.eq_objtype == int(mujoco.mjtObj.mjOBJ_BODY)
+    ends = np.stack([model.eq_obj1id, model.eq_obj2id]) * bodies
+    own = model.body_rootid[ends] == model.body(robot.root).id
+    held = bodies & own.any(axis=0) & (model.body_weldid[ends] == 0).any(axis=0)
+    coupling = numbers[np.isin(model.eq_type[numbers], COUPLING)]
+    return np.union1d(coupling, np.flatnonzero(held)).astype(int).tolist()
 
 
 def _at_start(model: mujoco.MjModel, robot: Robot) -> tuple[mujoco.MjData, set[int]]:

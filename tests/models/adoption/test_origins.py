@@ -2,7 +2,7 @@
 
 from xml.etree import ElementTree as ET
 
-from models.adoption.source import _place
+from models.adoption.source import _parsed, _place
 
 
 def test_a_place_that_is_no_numbers_is_left_to_the_compiler():
@@ -10,3 +10,8 @@ def test_a_place_that_is_no_numbers_is_left_to_the_compiler():
         assert _place(ET.fromstring(f'<origin xyz="{given}"/>')) == (0.0, 0.0, 0.0)
     assert _place(ET.fromstring('<origin xyz="1 2 3"/>')) == (1.0, 2.0, 3.0)
     assert _place(ET.fromstring("<origin/>")) == _place(None) == (0.0, 0.0, 0.0)
+
+
+def test_elements_have_names_without_namespaces():
+    root = _parsed('<robot xmlns="http://www.ros.org"><a:link xmlns:a="x"/></robot>')
+    assert [element.tag for element in root.iter()] == ["robot", "link"]

@@ -1,5 +1,7 @@
 """Swing ranges of drafts: as far as legs go without touching, and what ends them."""
 
+import shutil
+
 import mujoco
 import numpy as np
 import pytest
@@ -88,3 +90,13 @@ def test_every_joint_of_a_leg_must_be_a_hinge_with_a_name(joint):
     with pytest.raises(ModelError, match="hinge") as caught:
         find_limbs(pose, "here")
     assert "toe" in str(caught.value)
+
+
+def test_servos_end_the_swing_as_joints_do(tmp_path, hexapod):
+    """Where their range is the narrower one."""
+    shutil.copy(hexapod.path.with_name("scene.xml"), tmp_path)
+    servo = '<position class="swing" name="swing_2" joint="swing_2"'
+    text = hexapod.path.read_text().replace(servo, f'{servo} ctrlrange="-0.2 0.2"')
+    (tmp_path / "mine.xml").write_text(text)
+    robot, _ = drafted(tmp_path / "mine.xml")
+    assert min(high - low for low, high in robot.swing_range.values()) <= 0.4001

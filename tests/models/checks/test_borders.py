@@ -13,15 +13,8 @@ from models.checks import (
     _cannot_swing,
     check_places,
 )
-from models.description.compiled import (
-    actuator_of,
-    actuators_of,
-    is_position_servo,
-    joints_above,
-    levelled,
-    named,
-    root_body,
-)
+from models.description.actuators import actuator_of, actuators_of, is_position_servo
+from models.description.compiled import joints_above, levelled, named, root_body
 from models.errors import ModelError
 
 STEEP = np.deg2rad(20)  # largest angle between a swing axis and the vertical

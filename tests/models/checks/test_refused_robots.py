@@ -17,7 +17,6 @@ HIP = '<joint class="lift" name="lift_1"/>'
 KNEE = f'{HIP}<joint name="knee_1" range="-0.2 0.2" limited="true" axis="0 1 0"/>'
 THIRD = (HIP, KNEE, f"{POSE} 0 0", f"{POSE} 0 0 0")  # a joint more, and its angle
 TORSO = '<body name="torso"'
-GHOSTLY = '<option><flag contact="disable"/></option>'
 TOE = '["foot_1"]'
 SECOND = ("?", 'lift = "lift_2"')
 PLANE = '<geom type="plane" size="1 1 1"'
@@ -189,10 +188,6 @@ GROUNDS = {
     "there is no weight": (
         ["<worldbody>\n    <body", '<option gravity="0 0 1"/><worldbody><body'],
         "does not stand: no gravity pulls it down: .*; give <option> gravity=",
-    ),
-    "there are no contacts": (
-        ["<worldbody>\n    <body", f"{GHOSTLY}<worldbody><body"],
-        "does not stand: the foot of leg 1 touches nothing",
     ),
     "its parts push a foot up": (
         ['<joint class="swing" name="swing_2"/>',

@@ -232,3 +232,20 @@ def test_ground_takes_stiffness_friction_and_weight_from_the_world(robot, scenar
     assert (ground.servo == 70.0).all()
     assert ground.friction == pytest.approx(0.4)
     assert ground.weight == pytest.approx(1.27 * 9.81)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"weight": np.nan}, {"weight": 0.0}, {"weight": -1.0}, {"weight": np.inf},
+        {"friction": -0.1}, {"friction": np.nan}, {"push": -1.0}, {"push": np.nan},
+        {"contact": np.array([1e-6, np.nan])}, {"servo": np.array([-1.0, 1.0])},
+    ],
+    ids=str,
+)  # fmt: skip
+def test_a_ground_of_impossible_numbers_is_refused(wrong):
+    given = {"contact": np.full(2, 1e-6), "servo": np.full(2, 9.0), "friction": 1.0}
+    Ground(**given, weight=1.0)
+    Ground(**given | {"servo": np.full(2, np.inf)}, weight=1.0)
+    with pytest.raises(ValueError, match="numbers below 0 or none, or no weight"):
+        Ground(**{**given, "weight": 1.0, **wrong})

@@ -7,8 +7,7 @@ import pytest
 
 from models.description.card import LegCard, Servo
 from models.description.compiled import check_model
-from models.description.makes import _kind
-from models.description.servos import JointServo, ServoKind, board_divider
+from models.description.servos import JointServo, ServoKind, _kind, board_divider
 from models.description.table import parse_toml
 from models.errors import ModelError
 

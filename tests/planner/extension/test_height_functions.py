@@ -123,3 +123,8 @@ def test_of_coordinates_that_a_stroke_moves_one_that_bends_no_field_is_its_angle
     )
     assert _angles(shape, ("f", "g")) == ((1, 3), (4.0, 2.0))
     assert _angles(shape, ("g", "f")) == ((3, 1), (2.0, 4.0))
+
+
+def test_a_start_of_unknown_coordinates_is_refused():
+    with pytest.raises(ValueError, match="coordinate nope is unknown"):
+        stratified_panels(hexapod(), TRIPODS, {"nope": 1.0})

@@ -6,8 +6,7 @@ import pytest
 from planner.lie.coordinates import exponential, logarithm, product
 from planner.lie.free_lie import lie_algebra
 from planner.lie.hall import hall_basis
-from planner.lie.input_words import spellings, word
-from planner.lie.other_words import mirrored_spellings, short_durations
+from planner.lie.input_words import mirrored_spellings, short_durations, spellings, word
 
 
 def missed(basis, spelling):

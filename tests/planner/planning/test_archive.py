@@ -7,6 +7,7 @@ import pytest
 import sympy as sp
 
 from planner.execution.execution import Execution
+from planner.planning import archive
 from planner.planning.algorithm import plan
 from planner.planning.archive import load_plan, save_plan, system_from, system_table
 from planner.planning.paths import line
@@ -180,3 +181,18 @@ def test_formulas_mean_what_they_say():
 def test_texts_that_are_no_formulas_are_refused(text, message):
     with pytest.raises(ValueError, match=message):
         read_formula(text, (X,))
+
+
+def test_what_could_not_be_read_again_is_not_saved(tmp_path, monkeypatch):
+    """Numbers that have no name in formulas, and plans beyond what is read."""
+    fields = {"f": [sp.E, 0, 0], "g": [0, 1, "x"]}
+    unnamed = plan(
+        StratifiedSystem("x y z", {"0": fields}, "0"), line([0] * 3, [1] * 3), 1
+    )
+    with pytest.raises(ValueError, match="formula 'E' has 'E', which is neither"):
+        save_plan(unnamed, tmp_path / "plan.json")
+    long = plan(hexapod(), line(np.zeros(5), [1, 1, 0, 0, 0]), 1, LIFTED)
+    monkeypatch.setattr(archive, "MOST_BYTES", 1000)
+    with pytest.raises(ValueError, match="is too large to be read again, 0 MB may be"):
+        save_plan(long, tmp_path / "plan.json")
+    assert list(tmp_path.iterdir()) == []

@@ -109,3 +109,11 @@ def test_a_text_is_read_without_its_mark_and_only_in_utf_8(tmp_path):
     path.write_bytes(b"name = '\xe9'")
     with pytest.raises(ValueError, match="byte 9 is no text in UTF-8"):
         read_text(path)
+
+
+@pytest.mark.parametrize("letter", ["x", "\N{GRINNING FACE}"])
+def test_names_of_any_length_that_a_disk_takes_are_written(tmp_path, letter):
+    stem = letter * ((255 - len(".json")) // len(letter.encode()))
+    with whole_file(tmp_path / f"{stem}.json") as part:
+        part.write_text("all of it")
+    assert names(tmp_path) == [f"{stem}.json"]

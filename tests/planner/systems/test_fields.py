@@ -151,3 +151,12 @@ def test_numeric_field_of_wrong_shape_is_refused():
     field = NumericField(lambda x: [1.0, 2.0])
     with pytest.raises(ValueError, match=r"returned shape \(2,\) for .* shape \(3,\)"):
         field(np.zeros(3))
+
+
+def test_symbols_that_are_only_called_as_those_of_the_state_are_refused():
+    """They would count as constants, and brackets as zero; parameters may be there."""
+    real = sp.Symbol("x", real=True)
+    with pytest.raises(ValueError, match="the symbol x of a field is not that of the"):
+        bracket([1, 0, 0], [0, 1, real], STATE)
+    length = sp.Symbol("l")
+    assert list(bracket([1, 0, 0], [0, 1, length * X], STATE)) == [0, 0, length]

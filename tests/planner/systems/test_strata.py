@@ -1,5 +1,7 @@
 """Stratified systems as data: the graph of strata, gaits, and what is refused."""
 
+import copy
+import pickle
 from itertools import product
 
 import numpy as np
@@ -229,3 +231,23 @@ def test_fields_cannot_be_exchanged_behind_a_system_s_back():
         system.strata["1"]["g1_1"] = system.strata["1"]["g1_2"]
     with pytest.raises(AttributeError):
         system.strata.clear()
+
+
+@pytest.mark.parametrize(
+    "again", [copy.deepcopy, lambda one: pickle.loads(pickle.dumps(one))]
+)
+def test_systems_are_copied_and_sent_whole(again):
+    one = hexapod()
+    one.compiled("g1_1")  # functions that no process could send
+    other = again(one)
+    assert other.state == one.state
+    assert other.strata == one.strata
+    assert (other.bottom, other.metric, other.lifts) == (
+        one.bottom, one.metric, one.lifts,
+    )  # fmt: skip
+    assert other.level_sets == one.level_sets
+
+
+def test_an_unknown_field_is_said_with_those_that_there_are():
+    with pytest.raises(ValueError, match="field g3 is unknown; .*g12_1"):
+        hexapod().fields["g3"]

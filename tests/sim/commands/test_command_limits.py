@@ -1,6 +1,7 @@
 """How often, how far and how much commands take before they say that it is too much."""
 
 import argparse
+import builtins
 import io
 from types import SimpleNamespace
 
@@ -13,17 +14,27 @@ from sim.errors import FilesError, UsageError
 from sim.scenarios.file import load_scenario
 
 
-def test_a_question_is_asked_a_hundred_times_at_most():
+def test_a_question_is_asked_a_hundred_times_at_most(monkeypatch):
     asked = []
 
     def never(text):
         asked.append(text)
         raise ValueError("no")
 
-    asker = SimpleNamespace(_answer=lambda question: "?", _place="standard input")
+    monkeypatch.setattr(builtins, "input", lambda question: "?")
     with pytest.raises(UsageError, match="100 answers to one question"):
-        _Asker.__call__(asker, "which? ", never)
+        _Asker(None)("which? ", never)
     assert len(asked) == 100
+
+
+def test_an_answer_of_a_file_that_cannot_be_used_ends_all(tmp_path):
+    """What follows it would be answers to other questions."""
+    file = tmp_path / "answers"
+    file.write_text("swing_9\nswing_1\n")
+    ask = _Asker(str(file))
+    said = f"cannot be used, invalid literal.*: {file}; leave in it the answers that"
+    with pytest.raises(UsageError, match=said):
+        ask("which? ", int)
 
 
 @pytest.mark.parametrize(("text", "clock"), [("", None), ("25", 25e6), ("30", 30e6)])

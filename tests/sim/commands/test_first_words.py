@@ -6,6 +6,7 @@ import pytest
 
 from models.systems.catalogue import shipped_system
 from sim.cli import main
+from sim.commands.declared import COMMANDS
 
 
 @pytest.fixture
@@ -141,3 +142,13 @@ def test_of_an_optimised_plan_no_convergence_is_told(facts):
 def test_an_option_that_resembles_no_setting_is_not_taken_for_one(stratawalk):
     _, _, said = stratawalk("run", "line", "--frobnicate")  # somewhat like friction
     assert "unknown option --frobnicate: stratawalk run; stratawalk run --help" in said
+
+
+@pytest.mark.parametrize("name", ["completion", "export", "run"])
+def test_examples_stand_on_one_line_of_the_help(name, capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "60")
+    assert main([name, "--help"]) == 0
+    (line,) = (
+        line for line in capsys.readouterr().out.splitlines() if "for example" in line
+    )
+    assert line == f"for example: {' '.join(COMMANDS[name]['example'].split())}"

@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 
 from models.description import actuator_of
-from models.description.makes import SERVO_KINDS
-from models.description.servos import ServoKind
+from models.description.servos import SERVO_KINDS, ServoKind
 from planner.systems.flows import Flow
 from sim.drive.drive import Drive
 from sim.drive.feed_forward import FeedForward, leg_actuators, smoothed

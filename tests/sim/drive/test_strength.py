@@ -6,7 +6,7 @@ from contextlib import nullcontext
 import numpy as np
 import pytest
 
-from models.description.makes import SERVO_KINDS
+from models.description.servos import SERVO_KINDS
 from planner.systems.flows import Flow
 from sim.drive.drive import Drive
 from sim.drive.feed_forward import FeedForward

@@ -5,8 +5,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from models.description.makes import PULSES
-from models.description.servos import BOARD_CLOCK, BOARD_COUNTS, DIVIDERS, board_rate
+from models.description.servos import (
+    BOARD_CLOCK,
+    BOARD_COUNTS,
+    DIVIDERS,
+    PULSES,
+    board_rate,
+)
 from sim.commands import export
 from sim.errors import UsageError
 from sim.export import served, source

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 import yaml
 
-from models.description.makes import SERVO_KINDS
-from models.description.servos import JointServo
+from models.description.servos import SERVO_KINDS, JointServo
 from models.library import load
 from sim.errors import UsageError
 from sim.export import source

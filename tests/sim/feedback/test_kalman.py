@@ -262,10 +262,25 @@ def test_feet_are_at_a_distance_from_the_middle(radius):
         Feedback(Sensing(), radius)
 
 
-@pytest.mark.parametrize("step", [(np.nan, 0.0, 0.0), (0.0, np.inf, 0.0)])
-def test_a_step_that_is_not_finite_is_refused_and_changes_nothing(step):
+@pytest.mark.parametrize(
+    ("call", "given", "said"),
+    [
+        ("moved", ([np.nan, 0.0, 0.0],), "the step .* is not x, y .m. and yaw"),
+        ("moved", ([0.0, np.inf, 0.0],), "the step .* is not x, y .m. and yaw"),
+        ("moved", ([0.1, 0.0],), "the step .* is not x, y .m. and yaw"),
+        ("moved", ([[[0.1, 0.0, 0.0]]],), "dimensions"),
+        ("moved", ([0.1, 0.0, 0.0], np.nan), "a step of nan s; give the time"),
+        ("moved", ([0.1, 0.0, 0.0], np.inf), "a step of inf s; give the time"),
+        ("moved", ([0.1, 0.0, 0.0], -1.0), "a step of -1.0 s; give the time"),
+        ("aim", ([np.nan, 0.0, 0.0],), "the target .* is not x, y .m. and yaw"),
+        ("aim", (0.1,), "the target 0.1 is not x, y .m. and yaw"),
+        ("seen", ([1e154, 0.0, 0.0],), "is not x, y .m. and yaw"),
+    ],
+)
+def test_what_is_no_motion_is_refused_and_changes_nothing(call, given, said):
     feedback = Feedback(CAMERA, RADIUS, MISSES)
-    before = feedback.pose.copy()
-    with pytest.raises(ValueError, match="a step that is not finite: .*; leave it out"):
-        feedback.moved(step)
-    assert np.array_equal(feedback.pose, before)
+    before = feedback.pose.copy(), feedback.claimed
+    with pytest.raises(ValueError, match=said):
+        getattr(feedback, call)(*given)
+    assert np.array_equal(feedback.pose, before[0])
+    assert np.array_equal(feedback.claimed, before[1])

@@ -167,3 +167,16 @@ def test_a_period_is_repeated_as_often_as_the_whole_is_read_again(read, monkeypa
     assert read(written(log.repeated(5))).duration == 10
     with pytest.raises(ValueError, match="give --repeat 5 at most"):
         log.repeated(6)
+
+
+@pytest.mark.parametrize(
+    ("angle", "said"),
+    [
+        (30.0, "a command of 30 rad; give"),
+        (-30.0, "of 30 rad"),
+        (np.nan, "no.* finite"),
+    ],
+)
+def test_functions_give_angles_that_hinges_turn_to(angle, said):
+    with pytest.raises(ValueError, match=said):
+        of_function(lambda t: {"lift_1": 0.1, "hip_1": angle}, 0.02, 100)

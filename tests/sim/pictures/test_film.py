@@ -229,3 +229,13 @@ def test_a_floor_that_ends_shows_the_sky_behind_it(driver, folder):
     assert difference(endless[corner], np.full((60, 70, 3), palette.PAPER)) < 8
     assert bounded[corner].mean() > 5  # a sky, not the void
     assert difference(endless[corner], bounded[corner]) > 8
+
+
+@pytest.mark.parametrize("name", ["a #b", "a?b", "a'b%41", "a:b"])
+def test_names_that_cut_addresses_cut_no_films(driver, walked, tmp_path, name):
+    folder = tmp_path / name
+    shutil.copytree(walked, folder)
+    film = film_folder(folder, stretch=(0.0, 1.0))
+    assert count_pictures(film) > 0
+    small = film_folder(folder, stretch=(0.0, 0.2), path=tmp_path / f"{name}.webp")
+    assert small.stat().st_size > 0

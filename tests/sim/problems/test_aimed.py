@@ -142,6 +142,6 @@ def test_a_part_of_a_path_has_the_corners_before_its_end(share, cuts, monkeypatc
         ("play", lambda *_: end), ("miss_of", lambda *_: 0.3),
     ):  # fmt: skip
         monkeypatch.setattr(library, name, stub)
-    own = SimpleNamespace(path=Way(), replan=False, setup=None)
+    own = SimpleNamespace(path=Way(), replan=False, setup=None, words="printed")
     assert ScenarioProblem.attempt(own, share) == pytest.approx(0.3 / share)
     assert kept == ([] if cuts is None else [pytest.approx(cuts)])

@@ -75,7 +75,68 @@ def test_equations_between_leg_joints_no_longer_hold_and_are_told(
     assert not prepare(scenario(), robot).model.eq_active0.any()
     (told,) = changes(robot, scenario())
     name = "rope" if kind == "a tendon" else "number 1"
-    assert f"equations '{name}' couple leg joints; they are switched off" in told
+    assert f"equations '{name}' couple leg joints, or hold the robot in" in told
+
+
+PINS = {
+    "a foot": '<connect body1="leg_1" anchor="0.1 0 -0.05"/>',
+    "the body": '<weld body1="torso"/>',
+}
+
+
+@pytest.mark.parametrize("kind", PINS)
+def test_a_robot_that_is_held_in_the_world_is_let_go_and_that_is_told(
+    kind, edited, scenario
+):
+    """And what ties its own parts to each other stays."""
+    own = '<connect body1="leg_2" body2="torso" anchor="0 0 0"/>'
+    robot = edited("<sensor>", f"<equality>{PINS[kind]}{own}</equality><sensor>")
+    assert robot.model.eq_active0.tolist() == [1, 1]
+    assert prepare(scenario(), robot).model.eq_active0.tolist() == [0, 1]
+    (told,) = changes(robot, scenario())
+    assert "equations 'number 1' couple leg joints, or hold the robot in" in told
+
+
+OWN = {
+    "iterations": 'iterations="1" ls_iterations="5"',
+    "tolerance": 'tolerance="1e-2"',
+    "solver": 'solver="PGS"',
+    "disableactuator": 'actuatorgroupdisable="0"',
+}
+
+
+@pytest.mark.parametrize("name", OWN)
+def test_how_the_physics_is_computed_is_not_for_a_robot_to_say(
+    name, edited, scenario, hexapod
+):
+    robot = edited("<worldbody>\n", f"<option {OWN[name]}/><worldbody>\n")
+    (ours, theirs) = (prepare(scenario(), r).model.opt for r in (hexapod, robot))
+    assert getattr(theirs, name) == getattr(ours, name)
+    told = list(changes(robot, scenario()))
+    assert any(f"its <option> sets '{name}'" in line for line in told)
+
+
+@pytest.mark.parametrize("flag", ["contact", "constraint", "actuation", "filterparent"])
+def test_flags_that_no_walk_survives_are_not_in_force(flag, edited, scenario):
+    off = f'<option><flag {flag}="disable"/></option>'
+    robot = edited("<worldbody>\n", f"{off}<worldbody>\n")
+    assert prepare(scenario(), robot).model.opt.disableflags == 0
+    assert "sets 'disableflags'" in next(changes(robot, scenario()))
+
+
+def test_room_for_more_keyframes_than_there_are_is_given_back(edited, scenario):
+    robot = edited("<worldbody>\n", '<size nkey="3"/><worldbody>\n')
+    assert robot.model.nkey == 3
+    assert prepare(scenario(), robot).model.nkey == 1
+
+
+def test_servos_whose_states_have_a_range_follow_at_once(edited, scenario):
+    """MuJoCo refuses a range of states where there are none any more."""
+    servo = '<position class="swing" name="swing_2" joint="swing_2"/>'
+    state = '<intvelocity name="swing_2" joint="swing_2" kp="300" actrange="-1 1"/>'
+    robot = edited(servo, state)
+    assert robot.model.na == 1
+    assert prepare(scenario(), robot).model.na == 0
 
 
 def test_servos_behind_a_filter_follow_at_once_and_are_told(edited, scenario):
