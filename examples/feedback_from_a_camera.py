@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from math import radians
 
 import numpy as np
@@ -22,6 +22,12 @@ import planner
 from sim import Feedback, Sensing
 
 LIFT = 0.2  # angle by which legs in the air are raised [rad]
+
+
+def tell(robot: models.Robot, swing: np.ndarray, raised: Sequence[float]) -> None:
+    """Print the angle of every joint [rad]."""
+    angles = robot.leg_angles(swing, np.array(raised))
+    print(json.dumps({joint: round(float(at), 5) for joint, at in angles.items()}))
 
 
 def main(poses: Iterable[str] = sys.stdin) -> None:
@@ -37,9 +43,8 @@ def main(poses: Iterable[str] = sys.stdin) -> None:
             raised = [LIFT * (group not in flow.stratum) for group in robot.groups]
             for share in (0.0, flow.duration):  # first change legs, then swing them
                 swing += share * np.array(equations.swings[flow.field])
-                angles = robot.leg_angles(swing, np.array(raised))
-                row = {joint: round(float(at), 5) for joint, at in angles.items()}
-                print(json.dumps(row))
+                tell(robot, swing, raised)
+        tell(robot, swing, [0.0] * len(robot.groups))  # stand, to be seen
         if (seen := next(lines, None)) is None:
             break
         feedback.moved(meant, seconds=6.0)

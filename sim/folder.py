@@ -130,6 +130,8 @@ def claim(folder: Path | None, scenario: str) -> RunFolder:
     A folder that exists is a UsageError, one that cannot be written a FilesError.
     """
     wanted = folder or Path("runs", scenario)
+    if "\\" in str(wanted.absolute()):
+        raise UsageError.of("backslash", wanted.absolute())
     parents = tuple(p for p in wanted.parents if not os.path.exists(p))
     try:
         made = _make(folder) if folder else _next_free(Path("runs"), scenario)

@@ -6,10 +6,10 @@ import math
 import time
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -27,6 +27,7 @@ from sim.preparation.setup import GoalOffset, Setup, prepare
 from sim.preparation.shared import Shared
 from sim.problems.scenario import ScenarioProblem
 from sim.progress import Progress, at_most, silent, stage
+from sim.scenarios.predictions import PREDICTIONS
 from sim.scenarios.scenario import Scenario
 from sim.walking.finished import Walk
 from sim.walking.walks import Walker, carry_out, expected_steps
@@ -135,6 +136,9 @@ def simulate(
         >>> done.summary["verdict"]
         'arrived'
     """
+    if {*PREDICTIONS} & {*without}:
+        kept: Any = [p for p in scenario.predictions or PREDICTIONS if p not in without]
+        scenario = replace(scenario, predictions=tuple(kept) or ("ideal",))
     timing = dict.fromkeys(("compile", "plan", "simulate", "evaluate"), 0.0)
     with _timed(timing, "compile"), stage(progress, "compiling"):
         setup = prepare(scenario, robot, shared, log)

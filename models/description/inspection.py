@@ -138,6 +138,8 @@ def inspect_model(
     not, where a `remedy` is named. This costs the start of a process.
     """
     check_name(path.stem, str(path))
+    if "\\" in str(path.absolute()):
+        raise refusal("backslash", path.absolute())
     files = {Path(file) for file in _tried(path)}
     taken = outside((files | set(others)) - {path}, path.parent)
     if taken and not allow_external:

@@ -117,28 +117,25 @@ def _moved(field: VectorField) -> list[int]:
 
 
 def guesses(
-    stages: Sequence[Stage],
-    count: int,
-    places: tuple[float, float],
-    coarse: Coarse | None,
+    stages: Sequence[Stage], n: int, places: tuple[float, float], coarse: Coarse | None
 ) -> Iterator[Array]:
-    """First guesses of the strokes, shape (count,), the most promising first.
+    """First guesses of the strokes, shape (n,), the most promising first.
 
     Coarse stratified plans between two places on the path, from 0 to 1, come first,
     then strokes that alternate at random. `stages` is the cycle from the first stage.
     """
     for share in COARSE_SHARES if coarse else ():
-        segments = max(1, int(share * (count - 1) / (2 * len(stages))))
+        segments = max(1, int(share * (n - 1) / (2 * len(stages))))
         with suppress(PlannerError):
             flows = coarse(*places, segments) if coarse else ()
-            if (found := amounts_of(stages, flows, count)) is not None:
+            if (found := amounts_of(stages, flows, n)) is not None:
                 yield found
     rng = np.random.default_rng(0)
     for _ in range(RANDOM_GUESSES):  # as many backward as forward in turn, with noise
         size, half = rng.uniform(0.2, 0.6), int(rng.choice([2, 2, 4, 4, 6]))
-        pattern = np.resize(np.repeat([1.0, -1.0], half), count + half)
-        turned = np.roll(pattern, int(rng.integers(4 * half)))[:count]
-        yield turned * size + 0.05 * rng.normal(size=count)
+        pattern = np.resize(np.repeat([1.0, -1.0], half), n + half)
+        turned = np.roll(pattern, int(rng.integers(4 * half)))[:n]
+        yield turned * size + 0.05 * rng.normal(size=n)
 
 
 def amounts_of(

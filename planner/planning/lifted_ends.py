@@ -103,19 +103,15 @@ def _joined(
     flows = list(planned.flows)
     first = _stay(flows, planned.depart)
     last = max(first, len(flows) - _stay(flows[::-1], planned.arrive))
-    joined = [*flows[:first], *landing, *flows[first:last], *lifting, *flows[last:]]
+    flows = [*flows[:first], *landing, *flows[first:last], *lifting, *flows[last:]]
     shifted = [
         end + len(landing) * (end >= first) + len(lifting) * (end > last)
         for end in planned.segment_ends[:-1]
     ]
     nominal = planned.nominal.copy()
     nominal[0], nominal[-1] = ends
-    return replace(
-        planned,
-        flows=tuple(joined),
-        segment_ends=(*shifted, len(joined)),
-        nominal=nominal,
-    )
+    ends_at = (*shifted, len(flows))
+    return replace(planned, flows=tuple(flows), segment_ends=ends_at, nominal=nominal)
 
 
 def _stay(flows: Sequence[Flow], stratum: str) -> int:

@@ -51,7 +51,7 @@ def run(options: argparse.Namespace) -> ExitCode:
 
     robot = cli.robot_of(options, scenario.robot)
     look = options.look if _can_film(options.video) else None
-    if options.tries is not None and scenario.imperfect is None:
+    if options.tries is not None and not scenario.is_imperfect:
         scenario = replace(scenario, imperfect="hobby")
     as_drawn = drawn(scenario, robot)
     ignored = {key: each.ignored(as_drawn) for key, each in PREDICTIONS.items()}
@@ -231,7 +231,8 @@ def _try(scenario: Scenario, robot: Robot, folder: RunFolder, *, first: bool) ->
     from sim.run_folder import run
 
     try:
-        summary = run(scenario, folder, robot=robot, without=LEFT_OUT)
+        without = () if scenario.predictions else LEFT_OUT
+        summary = run(scenario, folder, robot=robot, without=without)
     except (StratawalkError, PlannerError) as error:
         code = getattr(error, "exit_code", None)
         if code is ExitCode.FILES or (first and code is ExitCode.USAGE):

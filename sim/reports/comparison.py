@@ -104,13 +104,13 @@ def _results(runs: Sequence[Run]) -> Iterator[tuple[str, ...]]:
 def _drift(runs: Sequence[Run], prediction: str = "") -> Table:
     """Millimetres that kinds of phases add to the way off a prediction, or the best.
 
-    They count along the way off the ideal one, so that they add up.
+    They count along the way off the ideal one, if there is one, so that they add up.
     """
     parts: list[dict[str, str]] = []
     for run in runs:
         found = contributions(run)
         ideal, own = (found.get(k, {}) for k in (IDEAL.key, prediction or run.best))
-        away = sum(ideal.values(), np.zeros(3))[:2]
+        away = sum((ideal or own).values(), np.zeros(3))[:2]
         along = away / (float(np.hypot(*away)) or 1.0)
         added = {label: MM * float(part[:2] @ along) for label, part in own.items()}
         sums = ((name, sum(added[k] for k in of)) for name, of in kinds_of(own))

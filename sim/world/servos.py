@@ -135,6 +135,7 @@ def ensure_servos(spec: mujoco.MjSpec, robot: Robot, asked: ServoSettings) -> No
         servo = _only_servo(spec, joint) or _add_servo(spec, robot, joint)
         servo.dyntype, servo.actlimited = mujoco.mjtDyn.mjDYN_NONE, 0
         servo.actrange, servo.actearly = (0, 0), 0
+        servo.delay, servo.nsample, servo.interp = 0.0, 0, 0
         if servo.gear[0] != 1:
             _gear_down(servo)
         _tune(servo, asked)
@@ -143,7 +144,8 @@ def ensure_servos(spec: mujoco.MjSpec, robot: Robot, asked: ServoSettings) -> No
 def delayed_servos(robot: Robot) -> list[str]:
     """Leg joints of a robot whose position servos follow commands with a delay."""
     servos = [s for s in _servos(robot.read()) if s.target in robot.card.joints]
-    return [s.target for s in servos if s.dyntype != mujoco.mjtDyn.mjDYN_NONE]
+    none = mujoco.mjtDyn.mjDYN_NONE
+    return [s.target for s in servos if s.delay or s.dyntype != none]
 
 
 def joints_without_servo(robot: Robot) -> list[str]:

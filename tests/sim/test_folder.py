@@ -234,3 +234,9 @@ def test_of_two_who_write_one_new_file_the_second_is_refused(tmp_path):
         write_twice()
     assert path.read_text() == "second"
     assert names(tmp_path) == ["new.csv"]
+
+
+def test_folders_that_mujoco_would_look_for_elsewhere_are_refused(tmp_path):
+    with pytest.raises(UsageError, match="a backslash in a path.*; choose another"):
+        claim(tmp_path / "a\\b" / "run", "line")
+    assert names(tmp_path) == []

@@ -259,3 +259,11 @@ def test_a_model_is_looked_at_whatever_encoding_python_is_told_to_print_in(
 ):
     monkeypatch.setenv("PYTHONIOENCODING", "utf-16")
     inspect_model(FOLDER / "hexapod.xml")
+
+
+def test_a_path_with_a_backslash_is_refused_by_its_reason(tmp_path):
+    folder = tmp_path / "a\\b"
+    folder.mkdir()
+    (folder / "m.xml").write_text("<mujoco/>")
+    with pytest.raises(ModelError, match="a backslash in its path, which MuJoCo takes"):
+        inspect_model(folder / "m.xml")

@@ -152,3 +152,30 @@ def test_draws_are_judged_by_the_worst_and_none_that_ends_on_the_spot_is_off(cap
     )
     assert judged(0.0, None) == ExitCode.SIMULATION
     assert "1 failed, draw 4 first (arrived)" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("given", [None, ("ideal", "compliant")])
+def test_draws_make_the_predictions_that_are_asked_for(given, monkeypatch, tmp_path):
+    """Those that cost as much as walks are left out where none are named."""
+    left = []
+
+    def run(scenario, folder, *, without, **_):
+        left.append(without)
+        return SimpleNamespace(verdict="arrived", weighed=None)
+
+    monkeypatch.setattr(walks, "MEASURES", {})
+    monkeypatch.setattr(run_folder, "run", run)
+    asked = replace(LINE, predictions=given)
+    walk_tries(asked, None, RunFolder(tmp_path), range(1), lambda *_: None)
+    assert left == [() if given else ("identified", "compliant")]
+
+
+@pytest.mark.parametrize(
+    ("given", "kept"), [({}, "hobby"), ({"zero_offset": 0.03}, None)]
+)
+def test_draws_are_of_the_imperfections_that_are_given(given, kept, monkeypatch):
+    asked = []
+    monkeypatch.setattr(walks, "tries_of", lambda scenario, *_: asked.append(scenario))
+    monkeypatch.setattr(walks.cli, "scenario_of", lambda _: replace(LINE, **given))
+    walks.run(Namespace(video=False, tries=2, allow_external=False))
+    assert asked[0].imperfect == kept

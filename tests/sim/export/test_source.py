@@ -12,7 +12,7 @@ from models.library import load
 from sim.errors import UsageError
 from sim.export import source
 from sim.export.header import identifier, read_header, write_header
-from sim.export.servo_commands import ServoCommands
+from sim.export.servo_commands import ServoCommands, taken
 from sim.export.servo_table import Channel, ServoTable, servo_table
 from sim.export.source import (
     read_table,
@@ -227,3 +227,10 @@ def test_a_table_that_begins_later_has_the_rate_of_its_rows():
     commands = read_table(text)
     assert commands.rate == pytest.approx(50.0)
     assert commands.angles.tolist() == [[0.1], [0.2], [0.3]]
+
+
+def test_rates_that_leave_a_single_command_are_refused():
+    ctrl = np.zeros((1000, 1))
+    with pytest.raises(UsageError, match="0.5 commands a second are fewer than two"):
+        taken(ctrl, ("a",), np.array([0]), 0.5, 0.001)
+    assert len(taken(ctrl, ("a",), np.array([0]), 1.01, 0.001).angles) == 2

@@ -12,6 +12,7 @@ from sim.preparation.setup import prepare
 from sim.preparation.shared import PLAN, WORLD, Shared
 from sim.scenarios.body_path import line
 from sim.scenarios.declaration import Range, options
+from sim.scenarios.file import load_scenario
 from sim.scenarios.scenario import Scenario
 from sim.scenarios.settings import SETTINGS
 from sim.simulation import simulate
@@ -176,3 +177,15 @@ def test_a_robot_shares_with_itself_loaded_again(plain):
     first, again = (prepare(plain, load("hexapod"), shared) for _ in range(2))
     assert first.extended is again.extended
     assert first.model is again.model
+
+
+@pytest.mark.physics
+def test_a_walk_says_which_predictions_were_left_out():
+    """So that its scenario, walked again, makes the same ones."""
+    short = load_scenario("line", {"segments": 1, "path.goal": [0.004, 0.004, 0.0]})
+    done = simulate(short, without=("identified", "compliant", "creep_floor"))
+    asked = done.prepared.scenario.predictions
+    assert asked == ("ideal", "quasi_static")
+    again = simulate(replace(short, predictions=asked), without=("creep_floor",))
+    assert again.summary.predicted.keys() == done.summary.predicted.keys()
+    assert again.summary.weighed == done.summary.weighed

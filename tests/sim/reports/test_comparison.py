@@ -2,11 +2,13 @@
 
 import json
 import shutil
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from sim.cli import main
-from sim.reports import maps
+from sim.reports import comparison, maps
 from sim.reports.comparison import compare
 from sim.reports.drawing import FEW, stretches
 from sim.runs.run import Run, read_run
@@ -173,3 +175,14 @@ def test_curves_of_a_page_are_envelopes_over_parts_of_one_kind(walked, monkeypat
     list(maps.overlaid([("few", run), ("many", other)]))
     assert parts == [(True, True), (False, True)]
     assert len(stretches(run, True)) == len(run.phases) > len(stretches(run, False))
+
+
+def test_without_an_ideal_prediction_parts_count_along_their_own_way(monkeypatch):
+    """As of runs that were played."""
+    parts = {"swing S1": np.array([3e-3, 0.0, 0.1]), "swing S2": np.array([0, 4e-3, 0])}
+    monkeypatch.setattr(comparison, "contributions", lambda run: {"compliant": parts})
+    run = SimpleNamespace(best="compliant", title="a")
+    rows = dict(comparison._drift([run]).rows)
+    assert rows["swing on S1"] == "1.80"  # 3 mm on a way of 5 mm: 3 * 3 / 5
+    assert rows["swing on S2"] == "3.20"
+    assert rows["all swings"] == rows["all together"] == "5.00"

@@ -148,7 +148,7 @@ def test_servos_behind_a_filter_follow_at_once_and_are_told(edited, scenario):
     assert robot.model.na == 1
     assert prepare(scenario(), robot).model.na == 0
     (told,) = changes(robot, scenario())
-    assert "servos of joints 'swing_2' follow commands through a filter" in told
+    assert "servos of joints 'swing_2' follow commands through a filter or" in told
 
 
 def test_margins_of_feet_throw_nothing_up(edited, scenario):
@@ -210,3 +210,14 @@ def test_marks_of_films_keep_their_colours(edited, tmp_path):
     geom = build_scene(walk, [mark], LOOKS["draft"]).geom(mesh_name(mark.pieces[0][0]))
     assert geom.rgba == pytest.approx(palette.ACHIEVED.colour.rgba(1.0))
     assert geom.group == 0
+
+
+def test_servos_that_are_delayed_follow_at_once_and_are_told(edited, scenario):
+    """Those that are added take no delay from the defaults of the file either."""
+    servo = '<position class="swing" name="swing_2" joint="swing_2"'
+    robot = edited(servo, f'{servo} delay="0.3" nsample="400"')
+    assert robot.model.actuator_delay.max() == 0.3
+    assert not prepare(scenario(), robot).model.actuator_delay.any()
+    (told,) = changes(robot, scenario())
+    assert "servos of joints 'swing_2' follow commands through a filter or aft" in told
+    assert "command_delay sets one" in told
