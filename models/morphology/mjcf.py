@@ -124,11 +124,8 @@ COLOURS = (  # of the groups; pictures mark their footprints alike
 
 def write_mjcf(shape: Morphology, groups: Sequence[Collection[int]]) -> str:
     """MJCF of the robot on the floor of `scene.xml`, one colour a group of legs."""
-    colours = {
-        leg: COLOURS[number % len(COLOURS)]
-        for number, group in enumerate(groups)
-        for leg in group
-    }
+    of = [COLOURS[number % len(COLOURS)] for number in range(len(groups))]
+    colours = {leg: of[number] for number, legs in enumerate(groups) for leg in legs}
     angles = [angle for leg in shape.legs.values() for angle in (leg.turned, 0)]
     far = 4 * max(abs(c) for leg in shape.legs.values() for c in leg.foot)
     template = template_of(Path(__file__).with_name("robot.xml.jinja"))

@@ -119,6 +119,9 @@ def _calibrated(
     known, pulse = dict(card.joint_servos), kind.signal == "pulse"
     clock = card.board_clock if "board" in parse_toml(robot.card_text) else None
     _require_room(robot)
+    free = {*BOARD_CHANNELS} - {servo.channel for servo in known.values()}
+    if pulse and number - len(known) > len(free):
+        raise UsageError.of("channels", file, left=number - len(known), free=len(free))
 
     def kept() -> str:
         return f"{file} keeps {len(known)} of {number} servos; go on: {again()}"

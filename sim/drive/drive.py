@@ -120,12 +120,13 @@ class Drive:
         pauses = np.array([phase.start - schedule.start for phase in schedule.phases])
         at_rest = np.abs(torques.at(pauses)[:, self._joints[joint]]).max()
         makes = self._sufficient(borne, turned)
+        slower = phase.kind == "swing" and at_rest < most and not self._setup.motion
         remedies = [
             f"take servos that suit this walk, --set servo={' or '.join(makes)}"
             if makes
             else "take stronger servos than all that are known by name",
             "make the robot lighter",
-            *["lower swing_speed"] * bool(phase.kind == "swing" and at_rest < most),
+            *["lower swing_speed"] * bool(slower),
         ]
         facts = {"phase": phase, "seconds": seconds, "at_rest": at_rest, "most": most}
         what, where = _message("weak", joint=name, needed=needed[knot, joint], **facts)

@@ -7,10 +7,13 @@ from types import SimpleNamespace
 
 import pytest
 
+from models import JointServo
+from models.description import KNOWN_SERVOS
 from sim.commands import doctor, options
-from sim.commands.calibrate import BOARD_CHANNELS, _Asker, _clock
+from sim.commands.calibrate import BOARD_CHANNELS, _Asker, _calibrated, _clock
 from sim.commands.drive import Poses
 from sim.errors import FilesError, UsageError
+from sim.folder import RunFolder
 from sim.scenarios.file import load_scenario
 
 
@@ -89,3 +92,22 @@ def test_three_packages_that_differ_are_named(count, more, monkeypatch):
     monkeypatch.setattr(doctor, "differences", lambda: iter(differ))
     with pytest.raises(FilesError, match=f"^p0 is old, p1 is old, p2 is old{more}:"):
         doctor._packages()
+
+
+def test_more_servos_than_a_board_has_channels_are_refused_at_once(tmp_path, hexapod):
+    """Those that are known have theirs, too."""
+    joints = [f"joint_{number}" for number in range(18)]
+    of_legs = dict(zip(joints[:4], hexapod.card.joints, strict=False))
+    card = SimpleNamespace(
+        joints=joints,
+        joint_servos={joint: JointServo(channel=n) for n, joint in enumerate(of_legs)},
+        board_clock=25e6,
+    )
+    robot = SimpleNamespace(
+        card=card, path=tmp_path / "mine.xml", card_text=hexapod.card_text
+    )
+    said = (
+        "14 servos are to be found on 12 free channels of a board: .*mine.toml; write"
+    )
+    with pytest.raises(UsageError, match=said):
+        _calibrated(robot, KNOWN_SERVOS["pulse"], RunFolder(tmp_path), pytest.fail)
