@@ -178,6 +178,7 @@ def compile_model(spec: mujoco.MjSpec, source: str) -> mujoco.MjModel:
         warnings.catch_warnings(action="ignore"),  # hints on style, many lines
     ):
         model = spec.compile()
+    model.opt.disableflags = 0  # in which a robot's file has no say
     check_names(model, source)
     check_model(model, source)
     return model

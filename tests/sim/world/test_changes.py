@@ -221,3 +221,13 @@ def test_servos_that_are_delayed_follow_at_once_and_are_told(edited, scenario):
     (told,) = changes(robot, scenario())
     assert "servos of joints 'swing_2' follow commands through a filter or aft" in told
     assert "command_delay sets one" in told
+
+
+def test_equations_behind_a_flag_that_is_not_in_force_are_switched_off(
+    edited, scenario
+):
+    off = '<option><flag equality="disable"/></option>'
+    tie = '<equality><joint name="tie" joint1="swing_1"/></equality>'
+    robot = edited("<worldbody>\n", f"{off}<worldbody>\n", "<sensor>", f"{tie}<sensor>")
+    assert not prepare(scenario(), robot).model.eq_active0.any()
+    assert any("equations 'tie'" in line for line in changes(robot, scenario()))
