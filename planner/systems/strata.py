@@ -83,12 +83,10 @@ class StratifiedSystem:
         strata = checked_strata(self.strata, normalised)
         level_sets = checked_level_sets(self.level_sets, strata, normalised)
         require_known(f"bottom {self.bottom!r}", self.bottom, strata)
+        fixed = {stratum: MappingProxyType(own) for stratum, own in strata.items()}
         for name, value in (
             ("state", normalised),
-            (
-                "strata",
-                MappingProxyType({s: MappingProxyType(strata[s]) for s in strata}),
-            ),
+            ("strata", MappingProxyType(fixed)),
             ("level_sets", level_sets),
             ("metric", checked_metric(self.metric, normalised)),
             ("lifts", checked_lifts(self.lifts, strata)),

@@ -235,7 +235,7 @@ class _Asker:
 
     def refuse(self, error: Exception) -> None:
         """Say why an answer cannot be used, with which those of a file end."""
-        if self._answer is input:  # a person will be asked again
+        if self._answer is input and sys.stdin.isatty():  # a person is asked again
             print(printable(f"  {error}"))
             return
         on = f"leave in it the answers that are yet to be used; {way_on()}"

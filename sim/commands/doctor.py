@@ -210,8 +210,6 @@ CHECKS = {
 
 def bench(options: argparse.Namespace) -> None:
     """Print every measurement when it is done."""
-    if options.peers and options.sweeps:
-        raise UsageError.of("one_bench", "--sweeps and --peers")
     if options.peers:
         _compare_peers(["--json"] if options.json else [])
         return

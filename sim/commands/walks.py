@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from models import Robot
 
 TABLE = "tries.csv"
-LEFT_OUT = ("identified", "compliant")  # not in the table; they cost as much as walks
+RANDOM = ("imperfect", "zero_offset", "bumps", "dead_band_spread", "replan")
 MEASURES = {  # columns of the table: quantities, and of which row of the comparison
     "goal": (quantities.POSITION, "goal"),
     "ideal": (quantities.POSITION, "ideal"),
@@ -185,6 +185,10 @@ def tries_of(
 
     The hints are printed once there is a folder.
     """
+    if not any(getattr(scenario, name) for name in RANDOM):
+        raise UsageError.of("not_drawn", "--tries")
+    asked = scenario.predictions or ("ideal", "quasi_static")  # others cost walks
+    scenario = replace(scenario, predictions=asked)
     draws = range(scenario.draw, scenario.draw + options.tries)
     replace(scenario, draw=draws[-1])  # refused before anything is written
     folder = claim(cli.folder_of(options), scenario.name)
@@ -192,7 +196,7 @@ def tries_of(
     def kept() -> str:
         table = folder.path / TABLE
         done = table.read_text("utf-8").count("\n") - 1 if table.is_file() else 0
-        rest = "--draw", f"{draws[done]}", "--tries", f"{len(draws) - done}"
+        rest = "--draw", f"{draws.start + done}", "--tries", f"{len(draws) - done}"
         on = again(*rest, *cli.elsewhere(options.out))
         return f"{done} of {len(draws)} draws are kept in {table}; go on: {on}"
 
@@ -231,8 +235,7 @@ def _try(scenario: Scenario, robot: Robot, folder: RunFolder, *, first: bool) ->
     from sim.run_folder import run
 
     try:
-        without = () if scenario.predictions else LEFT_OUT
-        summary = run(scenario, folder, robot=robot, without=without)
+        summary = run(scenario, folder, robot=robot)
     except (StratawalkError, PlannerError) as error:
         code = getattr(error, "exit_code", None)
         if code is ExitCode.FILES or (first and code is ExitCode.USAGE):

@@ -86,9 +86,3 @@ def test_optimised_walks_are_measured_beside_the_printed_one(monkeypatch):
     assert 1.0 < least.value < seconds.value < 20.0
     assert factor.value >= 1.0
     assert took.value > 0.0
-
-
-def test_one_thing_is_measured_at_a_time(capsys):
-    assert cli.main(["bench", "--sweeps", "--peers"]) == 2
-    said = "two measurements at once: --sweeps and --peers; keep one of them"
-    assert said in capsys.readouterr().err

@@ -3,6 +3,7 @@
 import argparse
 import builtins
 import io
+import sys
 from types import SimpleNamespace
 
 import pytest
@@ -12,9 +13,16 @@ from models.description import KNOWN_SERVOS
 from sim.commands import doctor, options
 from sim.commands.calibrate import BOARD_CHANNELS, _Asker, _calibrated, _clock
 from sim.commands.drive import Poses
+from sim.endings import begin
 from sim.errors import FilesError, UsageError
 from sim.folder import RunFolder
 from sim.scenarios.file import load_scenario
+
+
+@pytest.fixture(autouse=True)
+def begun():
+    """Forget what work of other tests has kept."""
+    begin([])
 
 
 def test_a_question_is_asked_a_hundred_times_at_most(monkeypatch):
@@ -25,6 +33,7 @@ def test_a_question_is_asked_a_hundred_times_at_most(monkeypatch):
         raise ValueError("no")
 
     monkeypatch.setattr(builtins, "input", lambda question: "?")
+    monkeypatch.setattr(sys, "stdin", SimpleNamespace(isatty=lambda: True))
     with pytest.raises(UsageError, match="100 answers to one question"):
         _Asker(None)("which? ", never)
     assert len(asked) == 100
@@ -111,3 +120,10 @@ def test_more_servos_than_a_board_has_channels_are_refused_at_once(tmp_path, hex
     )
     with pytest.raises(UsageError, match=said):
         _calibrated(robot, KNOWN_SERVOS["pulse"], RunFolder(tmp_path), pytest.fail)
+
+
+def test_an_answer_of_a_pipe_that_cannot_be_used_ends_all(monkeypatch):
+    """As in a file; nobody is there to be asked again."""
+    monkeypatch.setattr(sys, "stdin", io.StringIO("x\n3\n"))
+    with pytest.raises(UsageError, match="cannot be used, .*: standard input; leave"):
+        _Asker(None)("which? ", int)

@@ -14,7 +14,7 @@ from sim.errors import ExitCode, FilesError, SimulationError, UsageError
 from sim.folder import RunFolder
 from sim.scenarios.file import load_scenario
 
-LINE = load_scenario("line", {"draw": 5})
+LINE = load_scenario("line", {"draw": 5, "zero_offset": 0.01})
 
 
 @pytest.fixture
@@ -50,6 +50,8 @@ def test_draws_that_are_kept_are_not_walked_again(interrupted):
     assert of(*given) == (
         f"0 of 4 draws are kept in {table}; {rest} --draw 5 --tries 4"
     )
+    table.write_text("draw,verdict\n5,arrived\n6,arrived\n7,fell\n8,fell\n")
+    assert of(*given).startswith("4 of 4 draws are kept")  # between two words
     table.write_text("draw,verdict\n5,arrived\n6,arrived\n7,fell\n")
     assert of(*given) == (
         f"3 of 4 draws are kept in {table}; {rest} --draw 8 --tries 1"
@@ -157,17 +159,30 @@ def test_draws_are_judged_by_the_worst_and_none_that_ends_on_the_spot_is_off(cap
 @pytest.mark.parametrize("given", [None, ("ideal", "compliant")])
 def test_draws_make_the_predictions_that_are_asked_for(given, monkeypatch, tmp_path):
     """Those that cost as much as walks are left out where none are named."""
-    left = []
+    made = []
 
-    def run(scenario, folder, *, without, **_):
-        left.append(without)
+    def run(scenario, folder, **_):
+        made.append(scenario.predictions)
         return SimpleNamespace(verdict="arrived", weighed=None)
 
     monkeypatch.setattr(walks, "MEASURES", {})
     monkeypatch.setattr(run_folder, "run", run)
-    asked = replace(LINE, predictions=given)
-    walk_tries(asked, None, RunFolder(tmp_path), range(1), lambda *_: None)
-    assert left == [() if given else ("identified", "compliant")]
+    options = Namespace(out=str(tmp_path / "a"), json=True, tries=1, tolerance=0.05)
+    tries_of(replace(LINE, predictions=given, imperfect="hobby"), None, options, [])
+    assert made == [given or ("ideal", "quasi_static")]
+
+
+@pytest.mark.parametrize("drawn", ["bumps", "zero_offset", "dead_band_spread"])
+def test_draws_of_what_is_not_random_are_refused(drawn, monkeypatch):
+    """They would all be the same walk."""
+    monkeypatch.setattr(walks, "claim", lambda *_: done.append(1) or 1 / 0)
+    options, done = Namespace(out=None, json=True, tries=2, tolerance=0.05), []
+    same = replace(LINE, zero_offset=0.0, payload=(0.3, 0.0, 0.0, 0.02))
+    with pytest.raises(UsageError, match="nothing of this walk is drawn.*: --tries;"):
+        tries_of(same, None, options, [])
+    with pytest.raises(ZeroDivisionError):
+        tries_of(replace(same, **{drawn: 0.01}), None, options, [])
+    assert done == [1]
 
 
 @pytest.mark.parametrize(
@@ -176,6 +191,7 @@ def test_draws_make_the_predictions_that_are_asked_for(given, monkeypatch, tmp_p
 def test_draws_are_of_the_imperfections_that_are_given(given, kept, monkeypatch):
     asked = []
     monkeypatch.setattr(walks, "tries_of", lambda scenario, *_: asked.append(scenario))
-    monkeypatch.setattr(walks.cli, "scenario_of", lambda _: replace(LINE, **given))
+    plain = replace(LINE, zero_offset=0.0)
+    monkeypatch.setattr(walks.cli, "scenario_of", lambda _: replace(plain, **given))
     walks.run(Namespace(video=False, tries=2, allow_external=False))
     assert asked[0].imperfect == kept
