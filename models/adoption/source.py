@@ -166,10 +166,12 @@ Point = tuple[float, float, float]
 
 
 def _parsed(text: str) -> ET.Element:
-    """The root of a text, the names of its elements without namespaces."""
+    """The root of a text, its elements without their namespace, or those of others."""
     root = ET.fromstring(text)
+    space = root.tag[: root.tag.find("}") + 1]
     for element in root.iter():
-        element.tag = str(element.tag).rpartition("}")[2]
+        element[:] = [e for e in element if e.tag.rpartition("}")[0] == space[:-1]]
+        element.tag = element.tag.removeprefix(space)
     return root
 
 

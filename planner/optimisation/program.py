@@ -100,15 +100,11 @@ class Unknowns:
         return Solution(self.first, strokes, recoveries, whole, places, cost, width)
 
     def bounds(
-        self,
-        start: Array,
-        places: tuple[float, float],
-        goal: Array | None,
-        narrowest: float,
+        self, start: Array, ends: tuple[float, float], goal: Array | None, least: float
     ) -> tuple[Array, Array]:
         """Lower and upper bounds of the vector, for a motion from a state to a goal.
 
-        It goes between two places on the path, in a corridor of a smallest width.
+        It goes between two ends on the path, in a corridor of a smallest width.
         """
         count, wide, moved = self.count, self.task.most_recoveries, self.task.moved
         spans = [self.task.limits.get(i, (-np.inf, np.inf)) for i in moved]
@@ -116,13 +112,13 @@ class Unknowns:
         states[0] = start[moved, None]
         if goal is not None:
             states[-1] = goal[moved, None]
-        along = np.tile(np.array(places), (count + 1, 1))
-        along[0], along[-1] = places
+        along = np.tile(np.array(ends), (count + 1, 1))
+        along[0], along[-1] = ends
         here = [0 if self.task.centred else len(s.recoveries) for s in self.stages]
         free = np.where(np.arange(wide) < np.array(here)[:, None], np.inf, 0.0)
         most = [self.longest, self.longest, free.ravel(), free.ravel()]
         times = np.full(count if self.task.overlapped else 0, np.inf)
-        amounts, width = np.concatenate([*most, times]), np.full(self.widths, narrowest)
+        amounts, width = np.concatenate([*most, times]), np.full(self.widths, least)
         widest = np.full(self.widths, np.inf)
         high = [states[..., 1].ravel(), along[:, 1], amounts, widest]
         low = [states[..., 0].ravel(), along[:, 0], np.zeros(len(amounts)), width]

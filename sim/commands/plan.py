@@ -49,7 +49,8 @@ def plan(options: argparse.Namespace) -> None:
     """Plan the scenario or the system and print the result."""
     source = options.scenario
     if not _is_for_systems(options):
-        scenario = cli.scenario_of(options)
+        if (scenario := cli.scenario_of(options)).motion is not None:
+            raise UsageError.of("no_plan", f"scenario {scenario.name!r}")
         robot = cli.robot_of(options, scenario.robot)
         with bar(quiet=options.json) as progress:
             planned, shown = _walk(scenario, robot, progress)

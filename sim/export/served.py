@@ -27,10 +27,11 @@ from sim.walking.walks import next_segment
 SERVO_RATE = 50.0  # commands a second where the servos have no rate, as most take
 Row = tuple[float, Array]  # time [s], and the angle of every joint [rad]
 
-IN_PIECES: dict[str, tuple[str | int, ...]] = {
+IN_PIECES: dict[str, tuple[str | int | None, ...]] = {
     "optimise": ("none",),
     "steer": ("ideal", "quasi-static", "identified"),
     "correct": (1,),
+    "motion": (None,),
 }
 """What settings for whole paths may be where each piece is planned on its own."""
 

@@ -133,7 +133,7 @@ class Motion:
         name = "".join(g for i, g in enumerate(groups) if all(np.array(feet)[of == i]))
         if (self.robot.planted(name) == feet).all():
             return name
-        return f"(legs {' '.join(str(leg) for leg in compress(self.robot.legs, feet))})"
+        return f"legs {' '.join(str(leg) for leg in compress(self.robot.legs, feet))}"
 
 
 @dataclass(frozen=True)

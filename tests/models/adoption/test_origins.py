@@ -13,5 +13,8 @@ def test_a_place_that_is_no_numbers_is_left_to_the_compiler():
 
 
 def test_elements_have_names_without_namespaces():
-    root = _parsed('<robot xmlns="http://www.ros.org"><a:link xmlns:a="x"/></robot>')
-    assert [element.tag for element in root.iter()] == ["robot", "link"]
+    """Those of other namespaces are others', as all readers have it."""
+    inside = "<link><a:axis/><!-- no --><axis/></link><a:link><link/></a:link>"
+    for own in ("", 'xmlns="http://www.ros.org" '):
+        root = _parsed(f'<robot {own}xmlns:a="x">{inside}</robot>')
+        assert [e.tag for e in root.iter()] == ["robot", "link", "axis"]

@@ -8,6 +8,7 @@ import pytest
 
 from models import load
 from sim.cli import main
+from sim.runs.run import read_run
 
 JOINTS = [f"{kind}_{leg}" for leg in range(1, 7) for kind in ("swing", "lift")]
 
@@ -126,3 +127,20 @@ def test_legs_that_throw_the_robot_are_predicted_without_an_error_of_ours(gait, 
     (summary,) = Path("runs").glob("*/summary.json")
     predicted = json.loads(summary.read_text())["predicted"]
     assert all(np.isfinite(one["min_margin"]) for one in predicted.values())
+
+
+@pytest.mark.physics
+def test_runs_in_which_feet_of_no_group_stand_are_read_and_not_planned(
+    tmp_path, capsys, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    Path("l.csv").write_text("time,lift_1\n0,0\n0.5,0.3\n1,0.0\n")
+    assert main(["play", "hexapod", "l.csv", "--no-video", "--out", "p"]) == 0
+    assert any(
+        "legs 2 3 4 5 6" in phase.stratum for phase in read_run(Path("p")).phases
+    )
+    capsys.readouterr()
+    assert main(["plan", "p/scenario.toml"]) == 2
+    assert "it plays a motion, and nothing is planned" in capsys.readouterr().err
+    assert main(["drive", "p/scenario.toml"]) == 2
+    assert "is for a whole path, and drive plans piece by" in capsys.readouterr().err
