@@ -100,9 +100,9 @@ class ServedWalk:
         torques, practised = self._beforehand.feed_forward(schedule)
         self._legs, self._steps = schedule.end, schedule.stop
         rows = [*self._drive.commands(schedule, torques, practised=practised)]
-        clock = self.rate, self.setup.limits.timestep
-        given = taken(np.concatenate(rows), self.joints, self._actuators, *clock)
-        for angles in given.angles:
+        how = self.joints, self._actuators, self.rate, self.setup.limits.timestep
+        given = taken(np.concatenate(rows), *how).angles if rows else ()
+        for angles in given:
             self._last = angles
             yield self.time, angles
             self._given += 1

@@ -72,14 +72,11 @@ def taken(
 ) -> ServoCommands:
     """The commands that are given at a rate, out of one row of ctrl a physics step.
 
-    A rate higher than that of the physics, or with a single command, is a UsageError.
+    A rate higher than that of the physics is a UsageError.
     """
     pace = rate * timestep
     if pace > 1 + SLACK:
         raise UsageError.of("too_fast", "--rate", rate=rate, most=1 / timestep)
     step = step_of(np.arange(np.ceil(-SLACK), len(ctrl) * pace + 1), pace)
     row = step[(step >= 0) & (step < len(ctrl))]
-    if len(row) < 2:
-        least = 1.01 / (len(ctrl) * timestep)
-        raise UsageError.of("too_slow", "--rate", rate=rate, least=least)
     return ServoCommands(joints, rate, ctrl[row][:, actuators])

@@ -85,6 +85,9 @@ class Source:
         """
         ctrl, asked = self.run.commands["ctrl"], self.servo.rate or rate
         found = taken(ctrl, self.joints, self.actuators, asked, self.timestep)
+        if len(found.angles) < 2:
+            least = 1.01 / (self.steps * self.timestep)
+            raise UsageError.of("too_slow", "--rate", rate=rate, least=least)
         for joint, angles in zip(self.joints, found.angles.T, strict=True):
             own, low, high = self.model.joint(joint), angles.min(), angles.max()
             least, most = own.range if own.limited else (-TURNED, TURNED)

@@ -12,9 +12,10 @@ from models.library import load
 from sim.errors import UsageError
 from sim.export import source
 from sim.export.header import identifier, read_header, write_header
-from sim.export.servo_commands import ServoCommands, taken
+from sim.export.servo_commands import ServoCommands
 from sim.export.servo_table import Channel, ServoTable, servo_table
 from sim.export.source import (
+    Source,
     read_table,
     read_trajectory,
     write_table,
@@ -230,7 +231,16 @@ def test_a_table_that_begins_later_has_the_rate_of_its_rows():
 
 
 def test_rates_that_leave_a_single_command_are_refused():
-    ctrl = np.zeros((1000, 1))
+    joint = SimpleNamespace(limited=False)
+    own = SimpleNamespace(
+        run=SimpleNamespace(commands={"ctrl": np.zeros((1000, 1))}),
+        servo=SimpleNamespace(rate=0.0),
+        joints=("a",),
+        actuators=np.array([0]),
+        timestep=0.001,
+        steps=1000,
+        model=SimpleNamespace(joint=lambda name: joint),
+    )
     with pytest.raises(UsageError, match="0.5 commands a second are fewer than two"):
-        taken(ctrl, ("a",), np.array([0]), 0.5, 0.001)
-    assert len(taken(ctrl, ("a",), np.array([0]), 1.01, 0.001).angles) == 2
+        Source.commands(own, 0.5)
+    assert len(Source.commands(own, 1.01).angles) == 2
