@@ -14,7 +14,7 @@ from sim.commands import doctor, options
 from sim.commands.calibrate import BOARD_CHANNELS, _Asker, _calibrated, _clock
 from sim.commands.drive import Poses
 from sim.endings import begin
-from sim.errors import FilesError, UsageError
+from sim.errors import FilesError, UsageError, one_line
 from sim.folder import RunFolder
 from sim.scenarios.file import load_scenario
 
@@ -127,3 +127,12 @@ def test_an_answer_of_a_pipe_that_cannot_be_used_ends_all(monkeypatch):
     monkeypatch.setattr(sys, "stdin", io.StringIO("x\n3\n"))
     with pytest.raises(UsageError, match="cannot be used, .*: standard input; leave"):
         _Asker(None)("which? ", int)
+
+
+def test_a_mistake_in_a_file_is_told_in_plain_characters(tmp_path):
+    file = tmp_path / "answers"
+    file.write_text("\x1b[31m\n")
+    with pytest.raises(UsageError) as refusal:
+        _Asker(str(file))("which? ", int)
+    assert r"\x1b[31m" in one_line(refusal.value)
+    assert "\x1b" not in one_line(refusal.value)

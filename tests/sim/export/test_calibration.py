@@ -187,17 +187,6 @@ def test_counts_that_no_such_servo_needs_are_asked_again(calibrate, capsys):
     assert "look at the marks again" in capsys.readouterr().out
 
 
-def test_a_mistake_in_a_file_ends_its_answers_and_is_told_in_plain_characters(
-    calibrate, capsys
-):
-    Path("told.txt").write_text("25\nswing_1\n+\n\x1b[31m\n")
-    assert calibrate(None, ROBOT, "--answers", "told.txt") == 2
-    told = capsys.readouterr()
-    assert "an answer that cannot be used" in told.err
-    assert "\x1b" not in told.err
-    assert r"\x1b[31m" in told.err
-
-
 @pytest.mark.parametrize("mistake", ["none", "sign", "zero"])
 def test_strokes_show_a_wrong_sign_and_a_zero_a_degree_off(calibrate, capsys, mistake):
     board, robot, joint = Board(4), load(ROBOT), "swing_3"
