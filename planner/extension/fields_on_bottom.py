@@ -57,8 +57,7 @@ def lifts(system: StratifiedSystem, stratum: str, bottom: str = "") -> tuple[str
             return tuple(names)
     facts = {"stratum": stratum, "leaving": ", ".join(leaving), "needed": needed}
     facts |= {"lift": "lifts" if needed == 1 else "lift"}
-    example = {stratum: leaving[:1]}
-    raise StratumError(message("which_lifts", example=example, **facts))
+    raise StratumError(message("which_lifts", example={stratum: leaving[:1]}, **facts))
 
 
 def _moves_heights_alone(field: VectorField, level_set: LevelSet) -> bool:

@@ -106,8 +106,7 @@ def _source(options: argparse.Namespace, progress: Progress) -> Source:
     if folder.is_dir():
         given = [*cli.given_settings(options).values()]
         if given := given + ["--set"] * bool(options.set):
-            words = ", ".join(given)
-            raise UsageError.of("walked", options.scenario, given=words)
+            raise UsageError.of("walked", options.scenario, given=", ".join(given))
         source = from_run(folder, allow_external=options.allow_external)
     else:
         scenario = cli.scenario_of(options)

@@ -155,8 +155,7 @@ def _system(options: argparse.Namespace, progress: Progress) -> Outcome:
         }
         for name in set(HEADINGS) & set(changes["goal"] or {}):
             cli.tell_radians(name, changes["goal"][name])
-        given = {k: v for k, v in changes.items() if v is not None}
-        wanted = replace(wanted, **given)
+        wanted = replace(wanted, **{k: v for k, v in changes.items() if v is not None})
         objective = options.optimise or "none"
         if options.free and objective == "none":
             raise UsageError.of("nothing_free", "--free")

@@ -44,8 +44,7 @@ def paper(axes: Mapping[str, Axes]) -> Shown:
 def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
     """Three of the robots that walk in MuJoCo."""
     panels = zip(axes.values(), ROBOTS, strict=True)
-    rows = [row for panel, robot in panels for row in _draw_robot(panel, robot)]
-    return Shown(rows)
+    return Shown([row for panel, robot in panels for row in _draw_robot(panel, robot)])
 
 
 def _draw_above(axes: Axes, legs: Sequence[tuple[Cell, ...]]) -> None:

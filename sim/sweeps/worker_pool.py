@@ -148,8 +148,7 @@ class WorkerPool:
         The client's own `scheduler_info` may give the answer to another question, which
         lists no workers at all: whoever trusts it takes the living for dead.
         """
-        ask = self.client.scheduler.identity
-        return self.client.sync(ask, n_workers=-1)["workers"]
+        return self.client.sync(self.client.scheduler.identity, n_workers=-1)["workers"]
 
     def _judge(self, worker: str, answer: Future) -> None:
         """Let a worker take part if it computes with what we compute with."""

@@ -44,12 +44,14 @@ def changes(robot: Robot, scenario: Scenario) -> Iterator[str]:
         "rotors": [*added],
         "springs": [*undamped_joints(robot, asked)],
         "wide": [foot.name for foot in feet if foot.margin or foot.gap],
+        "lifted": [body.name for body in spec.bodies if body.gravcomp],
+        "leaning": ["gravity"] if any(spec.option.gravity[:2]) else [],
         "pairs": sorted({p.geomname1 for p in pairs} | {p.geomname2 for p in pairs}),
     }
-    inertia = next(iter(added.values()), 0.0)
     for what, names in found.items():
         first = ", ".join(map(repr, names[:3])) + (", ..." if names[3:] else "")
         if names:
+            inertia = max(added.values(), default=0.0)
             yield MESSAGES[what].format(names=first, inertia=inertia)
     own = sorted({float(foot.friction[0]) for foot in feet} - {scenario.friction, 1.0})
     if own and scenario.foot_friction is None:

@@ -83,9 +83,8 @@ def servo_settings(scenario: Scenario, card: Card) -> ServoSettings:
         return asked
     data = card.servo.data if card.servo is not None and make == own else {}
     kind = _kind(make, {**data, **(scenario.servo_data or {})}, scenario)
-    rate, resolution = asked.rate, asked.resolution
     if scenario.command_rate is not None:
-        kind = kind.at_rate(rate)
+        kind = kind.at_rate(asked.rate)
     elif kind.signal == "pulse":
         kind = kind.at_rate(board_rate(kind.command_rate, card.board_clock))
     return replace(
@@ -94,8 +93,8 @@ def servo_settings(scenario: Scenario, card: Card) -> ServoSettings:
         damping_ratio=1.0 if asked.damping is None else None,
         torque=kind.stall_torque,
         speed=kind.no_load_speed,
-        rate=kind.command_rate if scenario.command_rate is None else rate,
-        resolution=kind.resolution if scenario.resolution is None else resolution,
+        rate=kind.command_rate if scenario.command_rate is None else asked.rate,
+        resolution=kind.resolution if scenario.resolution is None else asked.resolution,
         armature=kind.rotor,
         kind=kind,
     )
@@ -143,9 +142,9 @@ def ensure_servos(spec: mujoco.MjSpec, robot: Robot, asked: ServoSettings) -> No
 
 def delayed_servos(robot: Robot) -> list[str]:
     """Leg joints of a robot whose position servos follow commands with a delay."""
-    servos = [s for s in _servos(robot.read()) if s.target in robot.card.joints]
-    none = mujoco.mjtDyn.mjDYN_NONE
-    return [s.target for s in servos if s.delay or s.dyntype != none]
+    none, servos = mujoco.mjtDyn.mjDYN_NONE, _servos(robot.read())
+    late = [s.target for s in servos if s.delay or s.dyntype != none]
+    return [joint for joint in late if joint in robot.card.joints]
 
 
 def joints_without_servo(robot: Robot) -> list[str]:
@@ -231,9 +230,8 @@ def other_drives(robot: Robot) -> list[str]:
     Those that are on legs of the card are found by their moments about the leg joints,
     where the robot starts.
     """
-    model = robot.model
+    model, found = robot.model, []
     data, dofs = _at_start(model, robot)
-    found = []
     for actuator in np.flatnonzero(~np.isin(model.actuator_trntype, ON_JOINT)):
         first = data.moment_rowadr[actuator]
         row = slice(first, first + data.moment_rownnz[actuator])
@@ -252,11 +250,15 @@ def couplings(robot: Robot) -> list[int]:
     moved = np.abs(slopes[:, sorted(dofs)]) > MOVES
     equal = data.efc_type == int(mujoco.mjtConstraint.mjCNSTR_EQUALITY)
     numbers = np.unique(data.efc_id[equal & moved.any(axis=1)])
-    bodies = model.eq_objtype == int(mujoco.mjtObj.mjOBJ_BODY)
-    ends = np.stack([model.eq_obj1id, model.eq_obj2id]) * bodies
-    own = model.body_rootid[ends] == model.body(robot.root).id
-    held = bodies & own.any(axis=0) & (model.body_weldid[ends] == 0).any(axis=0)
     coupling = numbers[np.isin(model.eq_type[numbers], COUPLING)]
+    sites = model.eq_objtype == int(mujoco.mjtObj.mjOBJ_SITE)
+    placed = sites | (model.eq_objtype == int(mujoco.mjtObj.mjOBJ_BODY))
+    ends = np.stack([model.eq_obj1id, model.eq_obj2id]) * placed
+    ends[:, sites] = model.site_bodyid[ends[:, sites]]
+    own = model.body_rootid[ends] == model.body(robot.root).id
+    weld = model.body_weldid[ends]
+    fixed = (weld == 0) | (model.body_mocapid[weld] >= 0)
+    held = own.any(axis=0) & fixed.any(axis=0) & (data.eq_active > 0)
     return np.union1d(coupling, np.flatnonzero(held)).astype(int).tolist()
 
 
@@ -282,8 +284,7 @@ class Channels:
         """
         columns = {actuator_of(self.model, j): angle for j, angle in targets.items()}
         rows = np.tile(self.model.key("start").ctrl, (len([*columns.values()][0]), 1))
-        for column, angle in columns.items():
-            rows[:, column] = angle
+        rows[:, [*columns]] = np.stack([*columns.values()], axis=1)
         return np.ascontiguousarray(rows)
 
     def swing(self, qpos: np.ndarray) -> np.ndarray:
@@ -295,6 +296,5 @@ class Channels:
         places = [int(self.model.joint(joint).qposadr[0]) for joint in joints]
         standing = np.array([robot.standing_angle(joint) for joint in joints])
         legs = (qpos[:, places] - standing) / robot.swing_gain  # (T, F)
-        groups = range(len(robot.groups))
-        means = [legs[:, robot.group_of_leg == g].mean(axis=1) for g in groups]
-        return np.stack(means, axis=1)
+        groups = [robot.group_of_leg == g for g in range(len(robot.groups))]
+        return np.stack([legs[:, own].mean(axis=1) for own in groups], axis=1)

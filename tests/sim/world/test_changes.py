@@ -81,18 +81,28 @@ def test_equations_between_leg_joints_no_longer_hold_and_are_told(
 PINS = {
     "a foot": '<connect body1="leg_1" anchor="0.1 0 -0.05"/>',
     "the body": '<weld body1="torso"/>',
+    "by sites": '<weld site1="on_robot" site2="in_world"/>',
+    "a gantry": '<weld body1="torso" body2="hook"/>',
 }
+GANTRY = """<site name="in_world" pos="0 0 0.06"/>
+<body name="gantry" mocap="true" pos="0 0 1"><body name="hook"/></body>
+"""
 
 
 @pytest.mark.parametrize("kind", PINS)
 def test_a_robot_that_is_held_in_the_world_is_let_go_and_that_is_told(
     kind, edited, scenario
 ):
-    """And what ties its own parts to each other stays."""
+    """What ties its own parts to each other stays; what is not active is not told."""
     own = '<connect body1="leg_2" body2="torso" anchor="0 0 0"/>'
-    robot = edited("<sensor>", f"<equality>{PINS[kind]}{own}</equality><sensor>")
-    assert robot.model.eq_active0.tolist() == [1, 1]
-    assert prepare(scenario(), robot).model.eq_active0.tolist() == [0, 1]
+    idle = '<weld name="idle" body1="torso" active="false"/>'
+    robot = edited(
+        "<sensor>", f"<equality>{PINS[kind]}{own}{idle}</equality><sensor>",
+        "<freejoint", '<site name="on_robot"/><freejoint',
+        '<body name="torso"', f'{GANTRY}<body name="torso"',
+    )  # fmt: skip
+    assert robot.model.eq_active0.tolist() == [1, 1, 0]
+    assert prepare(scenario(), robot).model.eq_active0.tolist() == [0, 1, 0]
     (told,) = changes(robot, scenario())
     assert "equations 'number 1' couple leg joints, or hold the robot in" in told
 
@@ -231,3 +241,23 @@ def test_equations_behind_a_flag_that_is_not_in_force_are_switched_off(
     robot = edited("<worldbody>\n", f"{off}<worldbody>\n", "<sensor>", f"{tie}<sensor>")
     assert not prepare(scenario(), robot).model.eq_active0.any()
     assert any("equations 'tie'" in line for line in changes(robot, scenario()))
+
+
+TOLD = {
+    "gravcomp": ('<body name="torso"', "bodies 'torso' have gravcomp"),
+    "gravity": ("<worldbody>\n", "has a 'gravity' that leans"),
+}
+
+
+@pytest.mark.parametrize("what", TOLD)
+def test_weight_that_is_not_as_usual_stays_and_is_told(what, edited, scenario):
+    place, words = TOLD[what]
+    edits = {
+        "gravcomp": f'{place} gravcomp="0.5"',
+        "gravity": f'<option gravity="0.5 0 -9.8"/>{place}',
+    }
+    robot = edited(place, edits[what])
+    model = prepare(scenario(), robot).model
+    assert model.body_gravcomp.any() == (what == "gravcomp")
+    assert (model.opt.gravity[0] > 0) == (what == "gravity")
+    assert words in next(changes(robot, scenario()))
