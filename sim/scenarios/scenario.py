@@ -118,24 +118,23 @@ def drawn(scenario: Scenario, robot: Robot) -> Scenario:
     a table to walk on: zeros of servos are within half a degree, gears have half a
     degree of backlash, a twentieth of the robot's mass lies up to 10 mm off the middle,
     the table leans by up to a degree, feet rub unequally, and what they stand on is ten
-    times as soft. The same robot and `draw` give the same values, which replace those
-    that are given.
+    times as soft. The same robot and `draw` give the same values; what is given stays.
     """
     scenario = replace(_fitted(scenario, robot), geometry=robot.geometry or None)
     if scenario.imperfect is None:
         return scenario
     random = np.random.default_rng(scenario.draw)
     mass = 0.05 * float(robot.model.body_mass.sum())
-    found = replace(
-        scenario,
-        imperfect=None,
-        zero_offset=radians(0.5),
-        backlash=radians(0.5),
-        payload=(mass, *random.uniform(-0.01, 0.01, 2).tolist(), 0.02),
-        slope=(radians(random.uniform(0, 1)), random.uniform(-pi, pi)),
-        foot_friction=tuple(random.uniform(0.6, 1.0, len(robot.legs)).tolist()),
-        floor_stiffness=1e4,
-    )
+    draws: dict[str, Any] = {
+        "zero_offset": radians(0.5),
+        "backlash": radians(0.5),
+        "payload": (mass, *random.uniform(-0.01, 0.01, 2).tolist(), 0.02),
+        "slope": (radians(random.uniform(0, 1)), random.uniform(-pi, pi)),
+        "foot_friction": tuple(random.uniform(0.6, 1.0, len(robot.legs)).tolist()),
+        "floor_stiffness": 1e4,
+    }
+    free = (name for name in draws if getattr(scenario, name) == SETTINGS[name].default)
+    found = replace(scenario, imperfect=None, **{name: draws[name] for name in free})
     if scenario.known != "given":
         return found
     kept = (n for n in known_of(scenario) if getattr(found, n) == getattr(scenario, n))

@@ -211,7 +211,7 @@ class Settings:
         "greatest height of bumps in the floor", 0.0, "world", "m"
     )
     imperfect: Literal["hobby"] | None = imperfection(
-        "set of random imperfections instead of single ones", None, ("world", "drive")
+        "set of random imperfections, where none are given", None, ("world", "drive")
     )
     predictions: tuple[Predicted, ...] | None = setting(
         "predictions to make beside the ideal one; all if not given", None, "rows"

@@ -81,6 +81,19 @@ def test_a_hobby_robots_draw_stays_hidden_when_it_is_walked_again(hexapod):
     assert known_of(drawn(load_scenario("line", handed), hexapod)) == ("command_delay",)
 
 
+def test_what_is_given_beside_a_hobby_robots_draw_stays_and_is_known(hexapod):
+    from sim.scenarios.scenario import drawn
+
+    payload = (0.5, 0.0, 0.0, 0.05)
+    found, plain = (
+        drawn(load_scenario("line", {"imperfect": "hobby"} | given), hexapod)
+        for given in ({"payload": payload}, {})
+    )
+    assert found.payload == payload != plain.payload
+    assert (found.slope, found.foot_friction) == (plain.slope, plain.foot_friction)
+    assert known_of(found) == ("payload",)
+
+
 def test_an_unknown_imperfection_is_refused_by_its_name():
     from sim.errors import UsageError
 
