@@ -185,11 +185,13 @@ class Scale:
 def contributions(achieved: Array, predicted: Array) -> Array:
     """What each phase contributes to the final pose error, shape (P, 3).
 
-    Given are poses at the start and at the end of each phase, shape (P + 1, 3), from
-    the same start; the sum is achieved[-1] - predicted[-1].
+    Given are poses at the start and at the end of each phase, shape (P + 1, 3); yaw may
+    be wrapped. The sum is achieved[-1] - predicted[-1]: the first phase has what they
+    differ by at its start.
     """
-    to_the_end = relative(predicted, predicted[-1])  # predicted, from each pose on
-    return np.diff(compose(achieved, to_the_end), axis=0)
+    was, meant = (np.c_[p[:, :2], np.unwrap(p[:, 2])] for p in (achieved, predicted))
+    ends = compose(was, relative(meant, meant[-1]))  # as predicted, from each pose on
+    return np.diff(ends[1:], axis=0, prepend=meant[-1:])
 
 
 def error_sources(

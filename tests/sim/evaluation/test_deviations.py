@@ -5,7 +5,7 @@ import pytest
 
 from planner.planning.paths import line
 from sim.evaluation.deviations import contributions, deviation_from
-from sim.motion.poses import compose
+from sim.motion.poses import compose, seen_from
 
 COMPARED = 1500  # poses that are compared with the path, evenly taken from all
 
@@ -27,6 +27,21 @@ def test_contributions_add_up_to_the_error_exactly(steps):
     predicted = walked(steps)
     total = contributions(achieved, predicted).sum(axis=0)
     assert total == pytest.approx(achieved[-1] - predicted[-1], abs=1e-12)
+
+
+def test_contributions_of_walks_that_differ_at_their_start_add_up_too(steps):
+    achieved = walked(steps) + [0.1, 0.2, 0.3]
+    parts = contributions(achieved, walked(steps))
+    assert parts.sum(axis=0) == pytest.approx([0.1, 0.2, 0.3], abs=1e-12)
+
+
+def test_a_walk_that_turns_past_a_half_turn_contributes_no_whole_turns():
+    """Yaw is wrapped at different phases of the two, which are 0.2 rad apart."""
+    ahead = np.tile([0.1, 0.0, 0.5], (10, 1))
+    turned = ahead + [[0.0, 0.0, 0.2], *np.zeros((9, 3))]
+    wrapped = [seen_from(np.zeros(3), walked(way)) for way in (turned, ahead)]
+    assert np.ptp(wrapped[0][:, 2] - wrapped[1][:, 2]) > 6
+    assert contributions(*wrapped)[:, 2] == pytest.approx([0.2, *[0.0] * 9], abs=1e-12)
 
 
 def test_a_phase_that_moves_as_predicted_contributes_nothing(steps):
