@@ -14,6 +14,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from math import prod
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import IO
 
 import numpy as np
@@ -142,8 +143,7 @@ def claim(folder: Path | None, scenario: str) -> RunFolder:
         raise FilesError(reason, str(where), "choose another with --out") from error
     claimed = RunFolder(made, parents)
     try:
-        claimed.write_text(".writable", "\n")
-        (made / ".writable").unlink()
+        require_writable(made)
     except FilesError:
         claimed.discard_if_empty()
         raise
@@ -151,10 +151,17 @@ def claim(folder: Path | None, scenario: str) -> RunFolder:
 
 
 def ensure_folder(folder: Path, what: str = "folder") -> Path:
-    """Make a folder, which a message calls `what`, unless it is there."""
+    """Make a folder, which a message calls `what`, unless it is there and writable."""
     with telling(f"cannot make the {what}", folder, "choose another with --out"):
         folder.mkdir(parents=True, exist_ok=True)
+    require_writable(folder)
     return folder
+
+
+def require_writable(folder: Path) -> None:
+    """Refuse a folder, before any work for it, in which no file can be made."""
+    with _writing(folder), TemporaryFile(dir=folder) as file:
+        file.write(b"\n")
 
 
 def new_file(path: Path, kind: str, *endings: str) -> Path:

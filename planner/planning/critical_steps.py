@@ -183,7 +183,7 @@ class _Steps:
         if longest <= self.shortest:
             return inf
         left: Left = lambda lengths: self.left(lengths[:, None] * ray)  # noqa: E731
-        steps, parts = _until_failure(left, _scale(self.shortest, longest, COARSE), FEW)
+        steps, parts = _to_failure(left, _scale(self.shortest, longest, COARSE), FEW)
         failed = parts[-1] > CONTRACTED
         if len(steps) == 1 and failed:
             return 0.0
@@ -194,11 +194,11 @@ class _Steps:
             _scale(low, high, FINE)[1:] if fine else np.array([high])
             for low, high, fine in zip(steps[:-1], steps[1:], notable, strict=True)
         ]
-        steps, parts = _until_failure(left, np.concatenate([steps[:1], *close]))
+        steps, parts = _to_failure(left, np.concatenate([steps[:1], *close]))
         inner = parts[1:-1]
         high = (inner >= NEARLY) & (inner >= parts[:-2]) & (inner >= parts[2:])
         for k in np.flatnonzero(high):
-            around, beside = _until_failure(
+            around, beside = _to_failure(
                 left, np.linspace(steps[k], steps[k + 2], BETWEEN)
             )
             if beside[-1] > CONTRACTED:
@@ -257,9 +257,7 @@ def _scale(low: float, high: float, ratio: float) -> Array:
     return np.geomspace(low, high, 2 + int(np.log(high / low) / np.log(ratio)))
 
 
-def _until_failure(
-    left: Left, steps: Array, block: int = AT_ONCE
-) -> tuple[Array, Array]:
+def _to_failure(left: Left, steps: Array, block: int = AT_ONCE) -> tuple[Array, Array]:
     """Steps up to the first that fails, and the parts that are left of them."""
     parts = np.empty(0)
     for begin in range(0, len(steps), block):

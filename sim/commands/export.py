@@ -13,7 +13,7 @@ from sim.commands.walks import judged
 from sim.endings import again, command, keeping
 from sim.errors import ExitCode, UsageError
 from sim.evaluation.quantities import describe_export
-from sim.folder import blamed_on, require_free
+from sim.folder import blamed_on, require_free, require_writable
 from sim.progress import Progress, bar
 from sim.templates import render
 
@@ -96,6 +96,7 @@ def _require_sense(options: argparse.Namespace, out: Path) -> None:
     require_free(out, "--out")
     if not options.out or not out.parent.is_dir():
         raise UsageError.of("no_folder", options.out or "--out")
+    require_writable(out.parent)
 
 
 def _source(options: argparse.Namespace, progress: Progress) -> Source:

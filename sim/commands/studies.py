@@ -113,8 +113,7 @@ def _points(count: int) -> str:
 def study(options: argparse.Namespace) -> None:
     """Print what a sweep has found, and draw its maps."""
     given = Path(options.table)
-    beside = (given if given.is_dir() else given.parent) / "maps"
-    out = cli.folder_of(options) or beside
+    out = cli.folder_of(options) or (given if given.is_dir() else given.parent) / "maps"
     paged = out.suffix in cli.PAGES
     if out.suffix[1:].isalpha() and not paged and not out.is_dir():
         raise UsageError("neither folder nor page", str(out), "end it with .html")

@@ -25,7 +25,7 @@ from planner import Array
 from sim.errors import SimulationError, UsageError
 from sim.fitting.estimate import Estimates, estimate, parameters_of, pooled, together
 from sim.fitting.servo_law import Commanded, known_servos, on_floor, on_stand
-from sim.folder import require_free, whole
+from sim.folder import require_free, require_writable, whole
 from sim.logs.log import Log
 from sim.preparation.setup import Setup
 from sim.preparation.shared import built
@@ -212,6 +212,7 @@ def check_free(card: Path) -> None:
     if card.suffix != ".toml" or not card.parent.is_dir():
         raise UsageError.of("no_place", card)
     require_free(card, "--out")
+    require_writable(card.parent)
 
 
 def write_card(robot: Robot, card: Path, text: str) -> str:

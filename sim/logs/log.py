@@ -238,7 +238,7 @@ def _check_time(time: Array) -> None:
     if not np.isfinite(time).all():
         row = int(np.isfinite(time).argmin()) + 1
         raise ValueError(f"no time in row {row}; give each row its time [s]")
-    if (back := np.diff(time) < SHORTEST_STEP).any():
+    if (back := np.diff(time) < 0.999 * SHORTEST_STEP).any():  # rounded
         row = int(back.argmax())
         facts = {"before": time[row], "after": time[row + 1], "row": row + 2}
         raise ValueError(message("back", least=SHORTEST_STEP, **facts))

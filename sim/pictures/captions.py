@@ -92,8 +92,7 @@ def _results(walk: Run) -> list[str]:
     normal = summary.verdict == "arrived" and not walk.scenario.motion
     slips = normal and summary.achieved.slip > summary.path_length
     why = CARDS["slipping"] if slips else []
-    title = f"{walk.scenario.name}: {summary.verdict}"
-    return [title, end, *further, "", *found, *why]
+    return [f"{walk.scenario.name}: {summary.verdict}", end, *further, "", *found, *why]
 
 
 def _card(lines: Sequence[str], behind: Array) -> Array:

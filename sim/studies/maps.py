@@ -110,9 +110,7 @@ def page(results: Results, found: Findings, table: Path, beside: Path) -> str:
     )
 
 
-def _points(
-    results: Results, points: Sequence[int], folder: Path, places: str
-) -> Table:
+def _points(results: Results, points: Sequence[int], folder: Path, base: str) -> Table:
     """Points with their settings, and the report of each or the command that walks."""
     rows, scenario = [], _walked(results)
     for i in points:
@@ -120,7 +118,7 @@ def _points(
         settings = {key: _given(results.columns[key][i]) for key in results.keys}
         own = run_folder(number)
         if (folder / own / "report.html").exists():
-            href = f"{url(places)}/{own}/report.html"
+            href = f"{url(base)}/{own}/report.html"
             link = Markup('<a href="{}">report</a>').format(href)
         else:
             fixed = {**results.asked.get("set", {}), **settings}

@@ -6,13 +6,16 @@ import os
 import subprocess
 import sys
 import threading
+from argparse import Namespace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from sim.commands.export import _require_sense
 from sim.errors import FilesError, UsageError
-from sim.folder import Pieces, RunFolder, claim, whole
+from sim.fitting.fitting import check_free
+from sim.folder import Pieces, RunFolder, claim, ensure_folder, whole
 
 
 def names(folder):
@@ -86,6 +89,22 @@ def test_folder_below_a_file_is_refused(tmp_path):
 def test_folder_that_cannot_be_made_is_refused():
     with pytest.raises(FilesError, match="cannot make the run folder, .*: /proc/run;"):
         claim(Path("/proc/run"), "line")
+
+
+def test_a_folder_in_which_no_file_can_be_made_is_refused_before_work_for_it(tmp_path):
+    """Whether it is for pages and pictures, for a card, or for exported commands."""
+    places = {
+        ensure_folder: Path("/proc"),
+        check_free: Path("/proc/mine.toml"),
+        lambda file: _require_sense(
+            Namespace(microseconds=False, out=str(file)), file
+        ): Path("/proc/walk.csv"),
+    }
+    for refuse, place in places.items():
+        with pytest.raises(FilesError, match="cannot be written, .*: /proc; choose a"):
+            refuse(place)
+    assert ensure_folder(tmp_path / "new") == tmp_path / "new"
+    assert names(tmp_path / "new") == []
 
 
 @pytest.mark.parametrize("name", ["two words", "größe", "new\nline"])

@@ -11,7 +11,7 @@ from planner.planning import critical_steps
 from planner.planning.critical_steps import (
     _scale,
     _Steps,
-    _until_failure,
+    _to_failure,
     critical_step,
     least_critical_step,
 )
@@ -144,12 +144,12 @@ def test_steps_are_tried_in_blocks_up_to_the_first_that_fails(block):
         tried.append(part.tolist())
         return np.where(part >= 6, 0.6, 0.5)
 
-    found, parts = _until_failure(left, steps, block)
+    found, parts = _to_failure(left, steps, block)
     assert found.tolist() == [1, 2, 3, 4, 5, 6]
     assert parts.tolist() == [0.5] * 5 + [0.6]
     assert all(len(part) <= block for part in tried)
     assert sum(tried, []) == steps[: min(10, -(-6 // block) * block)].tolist()
-    never, parts = _until_failure(lambda part: 0 * part, steps, block)
+    never, parts = _to_failure(lambda part: 0 * part, steps, block)
     assert (never.tolist(), len(parts)) == (steps.tolist(), 10)
 
 

@@ -65,6 +65,13 @@ def test_what_was_done_to_a_log_is_said(read):
     )
 
 
+def test_rows_a_microsecond_apart_are_read_however_they_are_rounded(read):
+    times = [9.0 + k * 1e-6 for k in range(2)] + [9.5]
+    assert np.diff(times)[0] < 1e-6
+    log = read("time,hip_1\n" + "".join(f"{t:.6f},0\n" for t in times))
+    assert len(log.time) == 3
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
