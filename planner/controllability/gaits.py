@@ -121,7 +121,7 @@ def gait_controllability(
     walk = Gait(system, tuple(gait))
     first = walk.strata[0]
     home = system.level_set(first)
-    x = _configuration(system, home, at)
+    x = _placed(system, home, at)
     dimension = system.dimension_of(first)
     algebras = {
         name: involutive_closure(
@@ -161,9 +161,7 @@ def gait_controllability(
     )
 
 
-def _configuration(
-    system: StratifiedSystem, home: LevelSet, at: Sequence[float]
-) -> Array:
+def _placed(system: StratifiedSystem, home: LevelSet, at: Sequence[float]) -> Array:
     x = np.asarray(at, dtype=float)
     if x.shape != (system.dimension,):
         state = ", ".join(map(str, system.state))

@@ -86,8 +86,7 @@ class Refinement:
             shares = np.where(_violating(over - 1.0), 1.0 / (over * more + GUARD), 1.0)
         own = np.array([lacks for _, lacks in checked])
         more = np.maximum(violations.lacks - own.max(axis=0), 0.0)
-        asked = _violating(own) & (violations.lacks > 0.0)
-        lacks = np.where(asked, own + more, 0.0)
+        lacks = np.where(_violating(own) & (violations.lacks > 0.0), own + more, 0.0)
         parts = np.split(shares, starts), np.split(lacks, starts)
         return list(map(Margins.enlarged, before, *parts))
 

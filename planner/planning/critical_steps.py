@@ -191,18 +191,16 @@ class _Steps:
             return inf
         notable = np.maximum(parts[:-1], parts[1:]) > NOTABLE
         close = [
-            _scale(low, high, FINE)[1:] if fine else np.array([high])
-            for low, high, fine in zip(steps[:-1], steps[1:], notable, strict=True)
+            _scale(low, high, FINE)[1:] if noted else np.array([high])
+            for low, high, noted in zip(steps[:-1], steps[1:], notable, strict=True)
         ]
         steps, parts = _to_failure(left, np.concatenate([steps[:1], *close]))
         inner = parts[1:-1]
         high = (inner >= NEARLY) & (inner >= parts[:-2]) & (inner >= parts[2:])
         for k in np.flatnonzero(high):
-            around, beside = _to_failure(
-                left, np.linspace(steps[k], steps[k + 2], BETWEEN)
-            )
-            if beside[-1] > CONTRACTED:
-                steps, parts = around, beside
+            fine, rest = _to_failure(left, np.linspace(steps[k], steps[k + 2], BETWEEN))
+            if rest[-1] > CONTRACTED:
+                steps, parts = fine, rest
                 break
         if parts[-1] <= CONTRACTED:
             return inf

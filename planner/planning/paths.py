@@ -211,7 +211,7 @@ def formula_curve(formulas: Mapping[str, object]) -> tuple[Path, float]:
         raise ValueError(f"not finite at s = {places[~finite][0]:.4g}; keep it finite")
     if (poses == poses[0]).all():
         raise ValueError("all poses are the same; let x, y or yaw change with s")
-    _require_continuous(at, places, poses)
+    _require_no_jump(at, places, poses)
     chords = float(np.hypot(*np.diff(poses[:, :2], axis=0).T).sum())  # if slopes hide
     with np.errstate(all="ignore"):  # slopes may be infinite or undefined somewhere
         arc = _arc_length(lambda t: np.hypot(*(f(t) for f in rate)), [0.0, 1.0])
@@ -219,9 +219,7 @@ def formula_curve(formulas: Mapping[str, object]) -> tuple[Path, float]:
     return Path(at), max(arc, chords * (1 - ARC_PRECISION))
 
 
-def _require_continuous(
-    at: Callable[[Array], Array], places: Array, poses: Array
-) -> None:
+def _require_no_jump(at: Callable[[Array], Array], places: Array, poses: Array) -> None:
     """Raise `ValueError` where a largest step stays as large between closer places."""
     steps = np.abs(np.diff(poses, axis=0))
     for axis, k in enumerate(steps.argmax(axis=0)):

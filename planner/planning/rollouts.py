@@ -120,7 +120,7 @@ def levels(system: StratifiedSystem, names: tuple[str, ...]) -> list[Level] | No
         level = Level([i for i in rest if reads[i] <= known])
         if not level.coordinates:
             own = (i for i in rest if reads[i] <= known | {i})
-            angular = next((i for i in own if _is_angular(fields, i, system)), None)
+            angular = next((i for i in own if _turns(fields, i, system)), None)
             if angular is None:
                 return None
             level = Level([angular], angular=True)
@@ -218,9 +218,7 @@ class _Batch:
         return rates
 
 
-def _is_angular(
-    fields: Sequence[sp.Matrix], index: int, system: StratifiedSystem
-) -> bool:
+def _turns(fields: Sequence[sp.Matrix], index: int, system: StratifiedSystem) -> bool:
     """Whether all rates of a coordinate are of the form c + a cos + b sin of it."""
     angle, rates = system.state[index], [field[index] for field in fields]
     zeros = [sp.Matrix([r.diff(angle, 3) + r.diff(angle)]) for r in rates]

@@ -43,8 +43,7 @@ def stability_margin(points: Array, contact: Array, center_of_mass: Array) -> Ar
         flat = shapely.get_dimensions(hulls) < 2
         edges = np.where(flat, hulls, shapely.boundary(hulls))
         distance = shapely.distance(weight, edges)
-        inside = ~flat & shapely.covers(hulls, weight)
-        signed = np.where(inside, distance, -distance)
+        signed = np.where(~flat & shapely.covers(hulls, weight), distance, -distance)
         margin[rows] = np.where(shapely.is_empty(hulls), -np.inf, signed)
     return margin
 

@@ -88,7 +88,8 @@ def _check_standing(
     sag = 1e3 * (before - float(data.qpos[height]))
     sagging = [problem("sags", sag=sag, rise=rise)] if sag > rise else []
     lying, soft = [*standing.lying()], standing.too_soft()
-    found = (standing.tipped(), lying and sagging, lying, standing.aloft(), sagging)
+    weak = standing.weak() if sagging else ()
+    found = weak, standing.tipped(), lying and sagging, lying, standing.aloft(), sagging
     _refuse(robot, chain(*found, soft))
 
 
@@ -149,6 +150,15 @@ class _Standing:
         tilt = float(np.arccos(np.clip(self.data.body(self.robot.root).xmat[8], -1, 1)))
         if tilt > UPRIGHT:
             yield problem("tipped", tilt=np.rad2deg(tilt), time=self.data.time)
+
+    def weak(self) -> Iterator[tuple[str, str]]:
+        """Servos that give all the torque that they have."""
+        model, given = self.model, self.data.actuator_force
+        for joint in self.robot.card.joints:
+            at = actuator_of(model, joint)
+            low, most = model.actuator_forcerange[at]
+            if model.actuator_forcelimited[at] and not low < given[at] < most:
+                yield problem("weak", joint=joint, most=most)
 
     def too_soft(self) -> Iterator[tuple[str, str]]:
         """Lift servos that their load would bend by more than they are to lift."""

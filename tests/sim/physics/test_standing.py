@@ -5,6 +5,7 @@ from dataclasses import replace
 import mujoco
 import pytest
 
+from models import ModelError
 from sim.physics.standing import _Standing, with_timestep
 from sim.preparation.setup import prepare
 
@@ -34,6 +35,15 @@ def test_a_lift_servo_that_is_too_soft_bears_what_the_engine_says(scenario):
         torque = abs(float(data.actuator(f"lift_{leg}").force[0]))
         assert f"joint 'lift_{leg}' bears {torque:.3g} N m" in what
     assert leg == 6
+
+
+@pytest.mark.physics
+def test_servos_too_weak_to_bear_the_robot_are_named_with_their_torque(scenario):
+    """And not called too soft, since stiffer ones would give no more."""
+    weak = {"servo": "mg90s", "servo_data": {"stall_torque": 0.01}}
+    words = "servo of joint 'lift_1' gives no more than 0.01 N m: .*; give it stronger"
+    with pytest.raises(ModelError, match=words):
+        prepare(scenario(**weak))
 
 
 def test_of_several_legs_in_the_air_the_first_is_named(scenario):
