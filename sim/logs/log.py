@@ -156,7 +156,7 @@ def _table(path: Path) -> dict[str, Array]:
     text = read_file(path, LARGEST_LOG).decode("utf-8-sig", "replace")
     if "\0" in text:
         raise ValueError("it is no text in UTF-8; save it in UTF-8")
-    parted = max(",;\t", key=text.partition("\n")[0].count)
+    parted = max(",;\t", key=text.lstrip("\r\n").partition("\n")[0].count)
     lines = (row for row in csv.reader(text.splitlines(), delimiter=parted) if row)
     names = [name.strip() for name in next(lines, [])]
     if TIME not in names:

@@ -35,8 +35,8 @@ def test_commands_and_what_was_measured_are_read_by_the_names_of_columns(read):
     assert {leg: c.tolist() for leg, c in log.contact.items()} == {2: [1, 0]}
 
 
-def test_a_log_without_measured_columns_has_none(read):
-    log = read("time;hip_1\n0;0\n1;1\n")
+def test_a_log_without_measured_columns_or_that_begins_with_an_empty_line_is_read(read):
+    log = read("\r\ntime;hip_1\n0;0\n1;1\n")
     assert (log.measured, log.pose, log.lean, log.contact) == (None, None, None, {})
 
 
