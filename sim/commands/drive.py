@@ -10,7 +10,7 @@ import time
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
-from itertools import count
+from itertools import count, islice
 from math import hypot, isfinite, nan
 from pathlib import Path
 from queue import Empty, Queue
@@ -174,8 +174,10 @@ class Link:
                     cli.notice(f"t = {walk.time:.2f} s: no pose came", "warning")
                     break
                 self.send(walk, [walk.wait()])
-                found += self._since(stopped)
-        return np.mean(found, axis=0).tolist() if found else [nan] * 3
+                found += islice(self._since(stopped), sensing.readings - len(found))
+        known = (column[np.isfinite(column)] for column in np.array(found).T)
+        x, y, yaw = known if found else np.empty((3, 0))
+        return [c.mean().item() if len(c) else nan for c in (x, y, np.unwrap(yaw))]
 
     def _since(self, moment: float) -> Iterator[list[float]]:
         """Poses that have come and are not older than a moment [s]."""

@@ -143,11 +143,10 @@ def real_robot(walk: Walk, real: Measured | None) -> Real | None:
         joints = float(np.sqrt(np.mean(np.square(apart))))
     if log.contact:
         rows = np.clip(log.time.searchsorted(time[on]), 0, len(log.time) - 1)
-        alike = [
-            (moments.contact[on][:, robot.legs.index(leg)] == (column[rows] > 0))
-            for leg, column in log.contact.items()
-        ]
-        contact = float(np.mean(alike))
+        told = np.stack([log.contact[leg][rows] for leg in log.contact], axis=1)
+        legs = [robot.legs.index(leg) for leg in log.contact]
+        alike = (moments.contact[on][:, legs] == (told > 0))[np.isfinite(told)]
+        contact = float(np.mean(alike)) if len(alike) else None
     return Real(
         pose=None if real.pose is None else real.pose[-1].tolist(),
         spread=None if real.spread is None else real.spread[-1].tolist(),

@@ -7,19 +7,22 @@ prediction on average, however much the robot veers.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import degrees, hypot, radians
 
 import numpy as np
 
 from planner import Array
-from sim.logs.log import Log
+from sim.errors import message
+from sim.logs.log import BODY, Log
 from sim.motion.poses import relative, rotate, seen_from, wrap
 
 TURNED_FRAME = radians(5)  # from which on a frame is taken to be turned
 WAY_PIECES = 20  # of the way, over which directions are compared
 MOVED_ENOUGH = 0.01  # [m] in all, without which nothing is known of directions
+COLUMNS = (*BODY["pose"], *BODY["lean"])
 SAME_COMMAND = radians(1)  # by which commands of trials may differ
 
 
@@ -39,7 +42,9 @@ class Measured:
 
 
 def together(logs: Sequence[Log]) -> Log:
-    """Trials of one motion as one log: commands of the first, means of poses.
+    """Trials of one motion as one log: commands of the first, the mean of the bodies'.
+
+    It ends where the first trial lost the body.
 
     Raises:
         ValueError: They command other joints.
@@ -47,27 +52,44 @@ def together(logs: Sequence[Log]) -> Log:
     first, *others = logs
     if not others:
         return first
-    done, poses, leans = list(first.done), [], []
-    for number, log in enumerate(logs, 1):
+    done, kept, bodies = list(first.done), list[Array](), [_body(log) for log in logs]
+    known = [np.isfinite(rows).any(axis=0) for rows in bodies]
+    most = max(known, key=np.count_nonzero)
+    for number, (log, own) in enumerate(zip(logs, known, strict=True), 1):
         if {*log.joints} != {*first.joints}:
             raise ValueError(f"trial {number} commands other joints than the first")
-        order = [log.joints.index(joint) for joint in first.joints]
-        off = float(np.abs(log.at(first.time)[:, order] - first.commanded).max())
-        if off > SAME_COMMAND:
+        commands = ordered(log, first.joints).at(first.time)
+        if (off := float(np.abs(commands - first.commanded).max())) > SAME_COMMAND:
             other = f"commands of trial {number} differ by up to {degrees(off):.2g}"
             done.append(f"{other} degrees; those of the first are played")
-        if log.pose is not None:
-            poses.append(_finite(first.time, log.time, log.pose))
-        if log.lean is not None:
-            leans.append(_since_first(first.time, log.time, log.lean))
-    first = replace(first, lean=np.mean(leans, axis=0) if leans else None)
-    if len(poses) < 2:
-        return replace(first, done=(*done, "fewer than two trials have a pose"))
-    stack = np.stack([seen_from(pose[0], pose) for pose in poses])
-    stack[..., 2] = np.unwrap(stack[..., 2], axis=1)
-    spread = stack.std(axis=0, ddof=1) / np.sqrt(len(stack))
-    done.append(f"mean of {len(stack)} trials, with its standard error")
-    return replace(first, pose=stack.mean(axis=0), spread=spread, done=tuple(done))
+        done += (f"trial {number}, {gap}" for gap in _gaps(log))
+        if names := ", ".join(np.array(COLUMNS)[most & ~own]):
+            done.append(message("lacking", number=number, names=names))
+        elif most.any():
+            rows = _finite(first.time, log.time, bodies[number - 1])
+            ends = log.time[np.isfinite(bodies[number - 1][:, most]).all(axis=1)][-1]
+            rows[first.time > ends + np.diff(first.time).max()] = np.nan
+            kept.append(rows)
+    if any(log.measured is not None or log.contact for log in others):
+        done.append(message("first_alone"))
+    if not kept:
+        return replace(first, done=tuple(done))
+    start = np.nan_to_num(np.stack(kept)[:, :1])
+    pose = seen_from(start[..., :3], np.stack(kept)[..., :3])
+    pose[..., 2] = np.unwrap(pose[..., 2], axis=1)
+    lean = (np.stack(kept) - start)[..., 3:].mean(axis=0)
+    if (count := len(kept)) > 1:
+        done.append(f"mean of {count} trials, with its standard error")
+        first = replace(first, spread=pose.std(axis=0, ddof=1) / np.sqrt(count))
+    return replace(first, pose=pose.mean(axis=0), lean=lean, done=tuple(done))
+
+
+def ordered(log: Log, joints: Sequence[str]) -> Log:
+    """The same log with its joints in another order."""
+    at = [log.joints.index(joint) for joint in joints]
+    angles = None if log.measured is None else log.measured[:, at]
+    rows = log.commanded[:, at]
+    return replace(log, joints=tuple(joints), commanded=rows, measured=angles)
 
 
 def measured(log: Log, time: Array, predicted: Array) -> Measured | None:
@@ -75,22 +97,16 @@ def measured(log: Log, time: Array, predicted: Array) -> Measured | None:
 
     None where it measured nothing.
     """
-    lean = {}
-    if log.lean is not None:
-        leans = _since_first(time, log.time, log.lean).T
-        both = zip(("roll", "pitch"), leans, strict=True)
-        lean = {name: angle for name, angle in both if np.isfinite(angle).all()}
-    if log.pose is None or not np.isfinite(log.pose[:, 0]).any():
-        other = lean or log.measured is not None or log.contact
-        return Measured(lean=lean) if other else None
-    done: list[str] = []
-    if missing := np.count_nonzero(~np.isfinite(log.pose[:, 0])):
-        done.append(f"poses are interpolated in rows that have none, {missing} in all")
-        last = log.time[np.isfinite(log.pose[:, 0])][-1]
-        held = f"no pose was measured after {last:.4g} s, and that one is held"
-        done += [held] * bool(last < log.time[-1])
-    pose = _finite(time, log.time, log.pose)
-    if not np.isfinite(pose[:, 2]).all():
+    body, done = _finite(time, log.time, _body(log)), [*_gaps(log)]
+    both = zip(("roll", "pitch"), (body - body[0]).T[3:], strict=True)
+    lean = {name: angle for name, angle in both if np.isfinite(angle).all()}
+    if not np.isfinite(body[0, 0]):
+        if np.isfinite(body[0, 2]):
+            done.append(message("yaw_alone"))
+        other = lean or done or log.measured is not None or log.contact
+        return Measured(lean=lean, done=tuple(done)) if other else None
+    pose = body[:, :3]
+    if not np.isfinite(pose[0, 2]):
         pose[:, 2] = predicted[:, 2]
         done.append("no yaw was measured; that of the prediction is taken")
     x, y, yaw = pose[0].tolist()
@@ -104,6 +120,9 @@ def measured(log: Log, time: Array, predicted: Array) -> Measured | None:
         against = f"{degrees(turned):.1f} degrees against the robot"
         done.append(f"its frame is turned by {against}, and was turned back")
     spread = None if log.spread is None else _finite(time, log.time, log.spread)
+    if spread is not None and not np.isfinite(spread).all():
+        spread = None
+        done.append(message("some_errors"))
     return Measured(seen, spread, lean, tuple(done))
 
 
@@ -117,10 +136,29 @@ def _turned(pose: Array, predicted: Array) -> float:
     return float(wrap(np.angle((np.conj(one) * other).sum())))
 
 
-def _since_first(time: Array, when: Array, lean: Array) -> Array:
-    """Roll and pitch at other times, from the first row on; a sensor sits askew."""
-    found = _finite(time, when, lean)
-    return found - found[0]
+def _body(log: Log) -> Array:
+    """What was measured of the body, a column each of `COLUMNS`, (n, 5)."""
+    parts = (("pose", log.pose), ("lean", log.lean))
+    none = {
+        part: np.full((len(log.time), len(BODY[part])), np.nan) for part, _ in parts
+    }
+    return np.hstack([none[part] if rows is None else rows for part, rows in parts])
+
+
+def _gaps(log: Log) -> Iterator[str]:
+    """What is done about gaps in what was measured of the body."""
+    found = defaultdict[bytes, list[str]](list)
+    for name, column in zip(COLUMNS, _body(log).T, strict=True):
+        found[np.isfinite(column).tobytes()].append(name)
+    for cells, names in found.items():
+        there = np.frombuffer(cells, bool)
+        if there.all() or not there.any():
+            continue
+        first, last = log.time[there][[0, -1]]
+        held = [f"before {first:.4g} s"] * bool(first > log.time[0])
+        held += [f"after {last:.4g} s"] * bool(last < log.time[-1])
+        words = f"{', '.join(names)}: empty cells bridged, {(~there).sum()} in each"
+        yield "; held ".join([words, *[" and ".join(held)] * bool(held)])
 
 
 def _finite(time: Array, when: Array, rows: Array) -> Array:

@@ -138,6 +138,42 @@ def test_commands_come_at_their_times_divided_by_the_pace(monkeypatch, pace):
     assert np.multiply(pace, np.subtract(sent, 7.0)) == pytest.approx([0, 0.02, 0.5, 3])
 
 
+def mean_of(*poses, readings):
+    """What a stop reads of poses that have come, and how many lines are left."""
+    text = "".join(json.dumps({"time": 1.0, **pose}) + "\n" for pose in poses)
+    lines = Poses(io.StringIO(text))
+    link = Link(lines, io.StringIO(), pace=0, patience=0.0)
+    sensing = SimpleNamespace(readings=readings, every=1, until=None)
+    walk = SimpleNamespace(
+        feedback=SimpleNamespace(sensing=sensing),
+        time=0.0,
+        stops=[],
+        joints=("swing_1",),
+        wait=lambda: (0.0, np.zeros(1)),
+    )
+    found = link.reading(walk)
+    return found, sum(1 for _ in iter(lambda: lines.next(1.0), None))
+
+
+def test_readings_of_a_robot_that_faces_backward_are_averaged_across_the_half_turn():
+    backward = [{"x": 1.0, "y": 0.0, "yaw": yaw} for yaw in (3.13, -3.13, 3.14)]
+    (x, _, yaw), _ = mean_of(*backward, readings=3)
+    assert x == 1
+    assert yaw == pytest.approx((3.13 + 3.14 + 2 * np.pi - 3.13) / 3, abs=1e-12)
+
+
+def test_a_lost_frame_is_left_out_of_the_mean_of_a_stop():
+    seen, lost = {"x": 0.02, "y": 0.5, "yaw": 0.1}, {}
+    assert mean_of(seen, lost, readings=2) == ([0.02, 0.5, 0.1], 0)
+    np.testing.assert_array_equal(mean_of(lost, lost, readings=2)[0], [np.nan] * 3)
+    assert mean_of(seen, {"yaw": 0.3}, readings=2)[0] == [0.02, 0.5, 0.2]
+
+
+def test_poses_beyond_the_readings_of_a_stop_are_left_for_the_next():
+    first, second = ({"x": x, "y": 0.0, "yaw": 0.0} for x in (0.02, 0.04))
+    assert mean_of(first, second, readings=1) == ([0.02, 0.0, 0.0], 1)
+
+
 def test_a_robot_that_stops_listening_ends_the_walk_with_a_message(tmp_path, capfd):
     drive = subprocess.run(
         f"{sys.executable} -m sim.start {shlex.join(way())} < /dev/null | head -n 3",

@@ -50,7 +50,7 @@ def test_gaps_are_bridged_and_a_yaw_that_nobody_measured_is_the_predictions():
     seen = measured(log(holes), TIME, WAY)
     np.testing.assert_allclose(seen.pose, WAY, atol=2e-4)
     assert seen.done == (
-        "poses are interpolated in rows that have none, 3 in all",
+        "body.x, body.y: empty cells bridged, 3 in each",
         "no yaw was measured; that of the prediction is taken",
     )
 
@@ -60,8 +60,35 @@ def test_a_pose_that_is_held_because_no_later_one_was_measured_is_told(seen):
     lost = WAY.copy()
     lost[seen:] = np.nan
     done = measured(log(lost), TIME, WAY).done
-    held = f"no pose was measured after {TIME[seen - 1]:.4g} s, and that one is held"
+    words = f"empty cells bridged, {len(TIME) - seen} in each"
+    held = f"body.x, body.y, body.yaw: {words}; held after {TIME[seen - 1]:.4g} s"
     assert (held in done) == (seen < len(TIME))
+
+
+def test_gaps_are_told_by_columns_with_what_is_held_at_their_ends():
+    pose, lean = WAY.copy(), WAY[:, :2].copy()
+    pose[:3, 1] = pose[-2:, 2] = lean[:3, 0] = lean[[0, 9, -1], 1] = np.nan
+    done = measured(replace(log(pose), lean=lean), TIME, WAY).done
+    assert done == (
+        "body.y, body.roll: empty cells bridged, 3 in each; held before 0.15 s",
+        "body.yaw: empty cells bridged, 2 in each; held after 1.9 s",
+        "body.pitch: empty cells bridged, 3 in each; "
+        "held before 0.05 s and after 1.95 s",
+    )
+
+
+def test_a_yaw_alone_and_standard_errors_of_some_columns_are_left_out_and_told():
+    alone = np.full_like(WAY, np.nan)
+    alone[:, 2] = TIME
+    seen = measured(log(alone), TIME, WAY)
+    assert seen.pose is None
+    assert seen.done == ("body.yaw is left out, since there is no body.x and body.y",)
+    spread = np.full_like(WAY, 1e-3)
+    assert measured(replace(log(WAY), spread=spread), TIME, WAY).spread is not None
+    spread[:, 0] = np.nan
+    seen = measured(replace(log(WAY), spread=spread), TIME, WAY)
+    assert seen.spread is None
+    assert seen.done[0].startswith("standard errors are left out, since body.x, ")
 
 
 def test_trials_become_their_mean_and_its_standard_error():
@@ -99,3 +126,41 @@ def test_roll_and_pitch_of_trials_become_their_means():
     lean = np.stack([0.1 * TIME, 0.03 * np.sin(TIME)], axis=1)
     logs = [replace(log(WAY), lean=k * lean + 0.4 * k) for k in (1, 2, 3)]
     np.testing.assert_allclose(together(logs).lean, 2 * lean, atol=1e-12)
+
+
+def test_trials_that_lack_a_column_are_left_out_of_the_mean_and_told():
+    """Whichever comes first; a mean of one is that one, without a standard error."""
+    bare, flat = log(None), log(WAY * [1, 1, np.nan])
+    for trials in ([log(WAY), bare], [bare, log(WAY)], [flat, bare, log(WAY), flat]):
+        mean = together(trials)
+        np.testing.assert_allclose(mean.pose, WAY, atol=1e-12)
+        assert mean.spread is None
+        assert len(mean.done) == len(trials) - 1
+    assert mean.done[0] == (
+        "trial 1 has no body.yaw, and is left out beside those that have"
+    )
+    alike = together([flat, flat])
+    np.testing.assert_allclose(alike.pose, flat.pose, atol=1e-12)
+    assert measured(alike, TIME, WAY).spread is None
+
+
+def test_a_mean_ends_where_the_first_trial_lost_the_body_and_that_is_told():
+    lost = WAY.copy()
+    lost[20:] = np.nan
+    mean = together([log(WAY), log(lost)])
+    assert np.isfinite(mean.pose[:21]).all()
+    assert not np.isfinite(mean.pose[21:]).any()
+    told = (
+        "body.x, body.y, body.yaw: empty cells bridged, 21 in each; held after 0.95 s"
+    )
+    assert mean.done[0] == f"trial 2, {told}"
+    seen = measured(mean, TIME, WAY)
+    np.testing.assert_allclose(seen.pose[20:, 0], 0.1 * TIME[20], atol=0.003)
+    assert seen.done[0].endswith("empty cells bridged, 20 in each; held after 1 s")
+
+
+def test_joints_and_contacts_of_later_trials_are_left_out_and_that_is_told():
+    contact = {1: np.ones(len(TIME))}
+    trials = [log(WAY), replace(log(WAY), contact=contact)]
+    assert "joints and contacts that trials after" in together(trials).done[0]
+    assert len(together(trials[::-1]).done) == 1

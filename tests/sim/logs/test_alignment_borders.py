@@ -76,7 +76,9 @@ def test_commands_of_trials_may_differ_by_a_degree(apart):
 
 def test_a_mean_needs_two_trials_with_a_pose():
     alone = together([posed(WAY), replace(posed(WAY), pose=None)])
-    assert alone.done == ("fewer than two trials have a pose",)
+    none = "trial 2 has no body.x, body.y, body.yaw, and is left out beside those"
+    assert alone.done == (f"{none} that have",)
+    assert alone.spread is None
     np.testing.assert_array_equal(alone.pose, WAY)
     assert together([posed(WAY)]).done == ()
 
