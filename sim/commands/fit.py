@@ -23,6 +23,7 @@ from sim.fitting.fitting import (
     write_card,
 )
 from sim.fitting.poses import Walked, fit_poses, log_of, walked_of_log, walked_of_run
+from sim.logs.alignment import ordered
 from sim.logs.log import Log
 from sim.logs.playing import scenario_of
 from sim.preparation.setup import Setup, prepare
@@ -43,9 +44,9 @@ def fit(options: argparse.Namespace) -> None:
     facts: dict[str, object] = {}
     parts: dict[str, object] = dict.fromkeys(("body", "servos", "written"))
     with bar(quiet=options.json) as progress:
-        if all(log.measured is not None for log in logs):
+        if angles := [log for log in logs if log.measured is not None]:
             with stage(progress, "fitting servos"):
-                fit = fit_joints(setup, logs, walking)
+                fit = fit_joints(setup, angles, walking)
             fitted |= fit.settings(setup.robot.card.joints)
             both = zip(fit.joints, fit.before.tolist(), fit.after.tolist(), strict=True)
             kept = {joint: {"before": b, "after": a} for joint, b, a in both if b == b}
@@ -90,17 +91,22 @@ def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | No
     scenario = run.scenario if run else scenario_of(robot, paths[0], settings)
     read = cli.reader_of(options, robot, scenario)
     logs = [log_of(runs[path]) if path in runs else read(path) for path in paths]
+    held = options.walking is False
     for path, log in zip(paths, logs, strict=True):
         if log.measured is None and log.pose is None:
             raise UsageError.of("unmeasured", path)
+        if log.measured is None and (held or log is not logs[0]):
+            raise UsageError.of("poses_alone", path)
         check_measured(path, log)
-        if log.joints != logs[0].joints:
+        if {*log.joints} != {*logs[0].joints}:
             raise UsageError.of("other_joints", path, first=paths[0])
+    logs = [ordered(log, logs[0].joints) for log in logs]
     if run is not None:
         return prepare(scenario, robot), logs, walked_of_run(run)
     setup = prepare(scenario, robot, log=logs[0])
     try:
-        walked = None if logs[0].pose is None else walked_of_log(setup, logs[0])
+        posed = logs[0].pose is not None and not held
+        walked = walked_of_log(setup, logs[0]) if posed else None
     except ValueError as error:
         raise UsageError.at(str(paths[0]), error) from error
     return setup, logs, walked

@@ -16,6 +16,7 @@ from planner import Array
 from sim.compliant.anatomy import Robots
 from sim.compliant.phases import Course, Phases
 from sim.compliant.prediction import course_along, phases_of
+from sim.errors import message
 from sim.fitting.estimate import Estimates, estimate, parameters_of
 from sim.fitting.fitting import FITTED, Fitted
 from sim.logs.log import Log
@@ -120,11 +121,12 @@ def walked_of_run(run: Run) -> Walked:
 def walked_of_log(setup: Setup, log: Log) -> Walked:
     """A log with the body's pose; the robot first stands as in its first row.
 
-    Raises ValueError where a pose is missing.
+    Rows without a pose say nothing. Raises ValueError where those are most of them.
     """
-    motion, dt = setup.motion, setup.limits.timestep
-    if motion is None or log.pose is None or not np.isfinite(log.pose).all():
-        raise ValueError("poses are missing; give body.x, .y and .yaw in every row")
+    motion, dt, pose = setup.motion, setup.limits.timestep, log.pose
+    there = np.isfinite([[np.nan]] if pose is None else pose).all(axis=1)
+    if motion is None or pose is None or np.mean(there) < 0.5:
+        raise ValueError(message("few_poses"))
     hold = round(setup.limits.hold / dt)
     walked = motion.schedule(hold, hold + motion.steps)
     parts = [motion.schedule(0, hold, standing=True), walked]
@@ -132,8 +134,8 @@ def walked_of_log(setup: Setup, log: Log) -> Walked:
     spans = np.array([(p.start, p.stop) for part in parts for p in part.phases])
     phases, none = phases_of(setup.as_planned), np.zeros(len(spans))
     course = course_along(setup, phases, ctrl, spans, none, {0: np.zeros(3)})
-    times = hold * dt + log.time
-    return Walked(phases, course, times, log.pose, setup.kinematics.reach)
+    times = hold * dt + log.time[there]
+    return Walked(phases, course, times, pose[there], setup.kinematics.reach)
 
 
 def fit_poses(walked: Walked) -> PoseFit:

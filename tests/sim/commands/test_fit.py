@@ -12,6 +12,7 @@ from sim.commands import fit as command
 from sim.commands.fit import fit
 from sim.errors import UsageError
 from sim.fitting.estimate import Estimates, Parameter
+from sim.logs.log import Log
 
 
 @dataclass(frozen=True)
@@ -95,20 +96,58 @@ def test_a_run_is_of_its_own_robot_unless_another_is_named(monkeypatch, tmp_path
 
 
 def test_poses_that_cannot_be_fitted_are_refused_with_their_log(monkeypatch, hexapod):
-    log = SimpleNamespace(measured=None, pose=1, joints=("a",))
+    log = logged(pose=np.zeros((2, 3)))
     monkeypatch.setattr(command.cli, "reader_of", lambda *_: lambda _: log)
     monkeypatch.setattr(command, "check_measured", lambda *_: None)
     monkeypatch.setattr(command, "scenario_of", lambda *_: None)
     monkeypatch.setattr(command, "prepare", lambda *_, **__: "setup")
 
     def walked(setup, first):
-        assert (setup, first) == ("setup", log)
+        assert (setup, first.joints) == ("setup", log.joints)
         raise ValueError("time: too short")
 
     monkeypatch.setattr(command, "walked_of_log", walked)
-    said, where = refused("hexapod", "log.csv")
+    said, where = refused("hexapod", "log.csv", walking=None)
     assert "too short" in said
     assert "log.csv" in where
-    joints = SimpleNamespace(measured=1, pose=None, joints=("a",))
-    monkeypatch.setattr(command.cli, "reader_of", lambda *_: lambda _: joints)
-    assert command._sources(options("hexapod", "log.csv")) == ("setup", [joints], None)
+    monkeypatch.setattr(
+        command.cli, "reader_of", lambda *_: lambda _: logged(measured=np.ones((2, 2)))
+    )
+    setup, _, walked = command._sources(options("hexapod", "log.csv"))
+    assert (setup, walked) == ("setup", None)
+
+
+def logged(*joints, **measured):
+    names = joints or ("a", "b")
+    return Log(np.array([0.0, 1.0]), names, np.array([[0.1, 0.2]] * 2), **measured)
+
+
+def test_logs_of_one_fit_are_brought_into_one_order_and_none_is_passed_over(
+    monkeypatch, hexapod
+):
+    """Joints are fitted to all logs; poses to the first, of a robot that walked."""
+    angles, pose = np.array([[0.3, 0.4]] * 2), np.zeros((2, 3))
+    logs = {
+        "joints": logged(measured=angles),
+        "turned": logged("b", "a", measured=angles),
+        "others": logged("b", "c", measured=angles),
+        "poses": logged(pose=pose),
+        "both": logged(measured=angles, pose=pose),
+    }
+    monkeypatch.setattr(command.cli, "reader_of", lambda *_: lambda at: logs[str(at)])
+    for name in ("check_measured", "scenario_of", "prepare"):
+        monkeypatch.setattr(command, name, lambda *_, **__: None)
+    monkeypatch.setattr(command, "walked_of_log", lambda *_: "walked")
+    _, found, walked = command._sources(options("hexapod", "joints", "turned"))
+    assert [log.joints for log in found] == [("a", "b")] * 2
+    assert found[1].measured.tolist() == [[0.4, 0.3]] * 2
+    assert found[1].commanded.tolist() == [[0.2, 0.1]] * 2
+    assert walked is None
+    assert command._sources(options("hexapod", "both"))[2] is None
+    assert command._sources(options("hexapod", "both", walking=None))[2] == "walked"
+    what, where = refused("hexapod", "joints", "others")
+    assert (what, where) == ("other joints than in joints", "others")
+    for given in (["joints", "poses"], ["poses"]):
+        what, where = refused("hexapod", *given)
+        assert what.startswith("no joint was measured, and only poses of a first log")
+        assert where == "poses"

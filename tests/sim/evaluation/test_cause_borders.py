@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from numpy import nan
 
 from sim.evaluation import causes
 from sim.evaluation.causes import Evidence, likely_cause
@@ -237,3 +238,8 @@ def test_a_real_robot_is_told_by_its_last_row():
         assert found.pose == [6.0, 7.0, 8.0]
         assert found.spread == (None if spread is None else [16.0, 17.0, 18.0])
         assert found.done == ["counted", "turned"]
+    motion.log.time, moments.contact = np.array([0.0, 0.5, 1.0]), np.ones((2, 2), bool)
+    setup.robot.legs = (3, 8)
+    for column, share in ([1, 9, nan], 1.0), ([nan, 9, nan], None), ([0, 9, 1], 0.5):
+        motion.log.contact = {8: np.array(column)}
+        assert real_robot(walk, Measured()).contact == share
