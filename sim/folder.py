@@ -144,7 +144,7 @@ def claim(folder: Path | None, scenario: str) -> RunFolder:
     claimed = RunFolder(made, parents)
     try:
         require_writable(made)
-    except FilesError:
+    except BaseException:  # an interruption, too, after which its name must be free
         claimed.discard_if_empty()
         raise
     return claimed

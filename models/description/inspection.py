@@ -151,6 +151,7 @@ def inspect_model(
 
 def _tried(path: Path) -> list[str]:
     """The files that a model opens, as the process that compiled it says."""
+    path.open("rb").close()  # which says in time that it may not be read
     too_large = refusal("large", path, seconds=SECONDS, gigabytes=MEMORY // 10**9)
     # No pictures, one thread, no room set aside for others, and this code whatever
     # else is installed.

@@ -27,6 +27,7 @@ Table = Mapping[str, Any]
 
 MOST_BYTES = 5 * 10**7  # of a plan, in memory twenty times as many
 FORMAT = "stratified plan, version 2"
+WRONG = KeyError, TypeError, AttributeError, ValueError, OverflowError, StratumError
 
 
 def system_table(system: StratifiedSystem) -> Table:
@@ -137,5 +138,5 @@ def load_plan(path: Path | str) -> Plan:
             arrive=table["arrive"],
             gait=Gait(system, gait).strata if gait else (),
         )
-    except (KeyError, TypeError, AttributeError, ValueError, StratumError) as error:
+    except WRONG as error:
         raise ValueError(f"{path} is damaged: {error}; save the plan again") from None

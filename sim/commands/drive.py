@@ -20,6 +20,7 @@ from typing import IO, TYPE_CHECKING
 import numpy as np
 
 from sim.commands import options as cli
+from sim.endings import again, keeping
 from sim.errors import FilesError, UsageError, telling
 from sim.folder import require_free
 
@@ -37,9 +38,16 @@ def drive(options: argparse.Namespace) -> None:
 
     from sim.export.served import served
 
+    def kept() -> str:
+        if not os.path.isfile(name := options.commands):
+            return f"start again: {again()}"
+        on = again(*cli.elsewhere(name, "--commands"))
+        return f"{name} holds the commands that were sent; start again: {on}"
+
     with ExitStack() as files:
         poses = _opened(files, options.poses, "r", sys.stdin)
         commands = _opened(files, options.commands, "w", sys.stdout)
+        files.enter_context(keeping(kept))
         link = Link(Poses(poses), commands, options.pace, options.patience)
         walk = served(scenario)
         link.send(walk, walk.stand())

@@ -157,14 +157,14 @@ def kept_in(folder: Path, out: str | None) -> str:
     return f"{folder} keeps {', '.join(there)}; start again: {again(*elsewhere(out))}"
 
 
-def elsewhere(out: str | None) -> list[str]:
-    """Words that name another place than the one that `--out` named, which is taken."""
+def elsewhere(out: str | None, option: str = "--out") -> list[str]:
+    """Words for another place than the one that an option named, which is taken."""
     if not out:
         return []
     taken = Path(out)
     names = (f"{taken.stem}-{number}{taken.suffix}" for number in count(2))
     free = (path for path in map(taken.with_name, names) if not os.path.lexists(path))
-    return ["--out", str(next(free))]
+    return [option, str(next(free))]
 
 
 def require_robot(name: str) -> None:

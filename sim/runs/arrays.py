@@ -160,7 +160,7 @@ def reading(folder: Path) -> Iterator[None]:
                 raise UsageError("a sweep and no run", str(folder), remedy)
             raise FileNotFoundError(f"it lacks {min(lacks)}")
         yield
-    except UsageError:
+    except (UsageError, PermissionError):
         raise
     except UNREADABLE as error:
         why: object = f"it lacks {error}" if isinstance(error, KeyError) else error

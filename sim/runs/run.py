@@ -41,6 +41,7 @@ SURE = 2.146  # standard deviations of a normal point in the plane that hold 90 
 NOMINAL_POINTS = 400  # of the nominal path as it is drawn
 PLACES = ("contact_point", "center_of_mass")  # arrays of points that are not poses
 SAME = 1e-6  # [s] or [m]; by how far files of one walk may end apart
+TOLD = ("fields", "replan", "steer", "optimise", "correct", "swing_speed", "timestep")
 START = "world_start_pose"  # array with the frame in which poses are given
 
 
@@ -284,14 +285,17 @@ def _require_one_walk(run: Run) -> None:
     clock, end = run.commands["time"], run.time[-1]
     ends = end - clock[-1] - np.diff(clock).max(initial=0.0), end - run.phases[-1].end
     achieved, began = run.summary.achieved, run.summary.walk_starts - SAME
-    off = run.achieved[-1] - achieved.pose
     walked = [phase for phase in run.phases if phase.start >= began]
     slips = [achieved.slip - sum(phase.slip for phase in walked)]
     if achieved.slip_swing is not None:
         swings = (phase.slip for phase in walked if phase.kind == "swing")
         slips.append(achieved.slip_swing - sum(swings))
+    told = {name: getattr(run.summary, name) for name in TOLD}
+    unlike = any(run.settings.get(name, own) != own for name, own in told.items())
+    off = run.achieved[-1] - achieved.pose
+    beside = () if run.summary.goal is None else run.nominal[-1] - run.summary.goal
     more = run.segments > max(run.summary.segments, 1)
-    if more or np.abs([*ends, *off, *slips]).max() > SAME:
+    if unlike or more or np.abs([*ends, *slips, *off, *beside]).max() > SAME:
         raise ValueError("its files are of different walks")
     if run.summary.weighed and run.summary.weighed.prediction not in [*run.predicted]:
         raise ValueError(f"unknown prediction {run.summary.weighed.prediction!r}")

@@ -114,6 +114,18 @@ def test_any_name_of_a_folder_will_do(tmp_path, name):
     assert (tmp_path / name / "note.txt").read_text() == "here"
 
 
+def test_a_folder_that_is_interrupted_as_it_is_claimed_leaves_its_name_free(
+    tmp_path, monkeypatch
+):
+    def interrupted(_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("sim.folder.require_writable", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        claim(tmp_path / "new" / "run", "line")
+    assert names(tmp_path) == []
+
+
 def test_json_reads_back_unrounded(tmp_path):
     numbers = {"third": 1 / 3, "list": [0.1, 1e-300]}
     RunFolder(tmp_path).write_json("summary.json", numbers)

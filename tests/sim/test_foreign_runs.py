@@ -1,9 +1,12 @@
 """A run folder of a stranger: files of two walks, numbers too large, and models."""
 
 import json
+import os
 import re
 import resource
 import shutil
+import subprocess
+import sys
 
 import imageio.v3 as iio
 import numpy as np
@@ -37,6 +40,39 @@ def test_files_of_another_walk_are_refused(other, folder, tmp_path, capsys, file
     assert main(words) == 2
     assert "its files are of different walks" in capsys.readouterr().err
     assert not (tmp_path / "e.csv").exists()
+
+
+@pytest.mark.physics
+@pytest.mark.parametrize(
+    ("own", "others"),
+    [("goal = [", "goal = [-"), ("timestep = 0.001", "timestep = 0.002")],
+)
+def test_a_scenario_of_another_walk_is_refused(folder, capsys, own, others):
+    """Goal and path of the report would not be those that were walked to."""
+    text = (folder / "scenario.toml").read_text()
+    assert own in text
+    (folder / "scenario.toml").write_text(text.replace(own, others))
+    assert main(["show", str(folder), "--no-browser"]) == 2
+    assert "its files are of different walks" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["trajectory.npz", "model.xml", "robot.xml"])
+def test_files_that_may_not_be_read_are_named_with_that_reason(folder, hexapod, name):
+    """Asked as one to whom permissions apply, whoever runs the tests."""
+    shutil.copy(hexapod.path, folder / "robot.xml")
+    show = ["show", folder, "--no-browser"]
+    words = ["robots", folder / name] if name == "robot.xml" else show
+    (folder / name).chmod(0)
+    bound = ["setpriv", "--bounding-set=-dac_override,-dac_read_search"]
+    prefix = bound * (os.geteuid() == 0)
+    done = subprocess.run(
+        [*prefix, sys.executable, "-m", "sim.start", *map(str, words)],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 6
+    assert f"error: Permission denied: {folder / name}; check the path" in done.stderr
 
 
 @pytest.mark.physics

@@ -71,6 +71,7 @@ def test_files_that_are_no_plans_are_refused(tmp_path, text, message):
             {"flows": [["1", "g1_1", float("nan")]]},
             "flow .* is not finite",
         ),
+        ({"flows": [["1", "g1_1", 10**400]]}, "int too large to convert to float"),
         ({"flows": [["1", "g1_1", "long"]]}, "could not convert string to float"),
         (
             {"segment_ends": [99]},

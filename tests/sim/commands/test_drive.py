@@ -185,6 +185,25 @@ def test_a_robot_that_stops_listening_ends_the_walk_with_a_message(tmp_path, cap
     assert "the robot stopped listening: t = " in drive.stderr
 
 
+def test_an_interrupted_drive_says_what_was_sent_and_gives_a_command_that_works(
+    tmp_path, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
+
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Link, "reading", interrupted)
+    assert main([*way(), "--poses", os.devnull, "--commands", "sent.jsonl"]) == 130
+    said = capsys.readouterr().err.splitlines()[-1]
+    assert "sent.jsonl holds the commands that were sent; start again: " in said
+    assert said.endswith("--commands sent-2.jsonl")
+    assert main([*way(), "--poses", os.devnull, "--commands", os.devnull]) == 130
+    said = capsys.readouterr().err.splitlines()[-1]
+    assert "holds" not in said
+    assert said.endswith(f"--commands {os.devnull}")
+
+
 def test_a_file_of_poses_that_is_not_there_is_refused(capsys):
     assert main([*way(), "--poses", "nowhere.jsonl"]) == 6
     assert "nowhere.jsonl; name a file, a pipe, or -" in capsys.readouterr().err

@@ -104,9 +104,7 @@ def test_a_log_without_its_poses_says_which_columns_are_missing(setup_and_log, l
         column = log.pose * [1.0, 1.0, np.nan]
         poses = {"a pose": None, "most of it": log.pose + gap[:, None]}
         log = replace(log, pose=(poses | {"a column": column})[lacks])
-    with pytest.raises(
-        ValueError, match=r"give body\.x, body\.y and body\.yaw in"
-    ):
+    with pytest.raises(ValueError, match=r"give body\.x, body\.y and body\.yaw in"):
         walked_of_log(setup, log)
 
 

@@ -87,7 +87,8 @@ def test_a_walk_without_numbers_by_phase_says_why(runs, tmp_path, capsys):
     planned_again = said.replace("replan = false", "replan = true")
     (again / "scenario.toml").write_text(planned_again)
     summary = json.loads((again / "summary.json").read_text())
-    (again / "summary.json").write_text(json.dumps(summary | {"error_sources": None}))
+    changed = summary | {"error_sources": None, "replan": True}
+    (again / "summary.json").write_text(json.dumps(changed))
     assert main(["compare", str(runs[0]), str(again), "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert [row["replan"] for row in found["settings"]] == ["false", "true"]
