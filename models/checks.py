@@ -1,7 +1,4 @@
-"""Checks that a model and its card describe a robot that can walk.
-
-`checks.toml` has the sentences.
-"""
+"""Checks that model and card describe a robot that can walk; see `checks.toml`."""
 
 from __future__ import annotations
 

@@ -185,27 +185,25 @@ def _level(pose: Pose, limbs: Sequence[Limb]) -> dict[str, float]:
     return {lift: pose.angle(lift) for lift in feet}
 
 
-def _gait(
-    pose: Pose, limbs: Sequence[Limb], source: str
-) -> tuple[Stand, Stand] | Crawl:
+def _gait(pose: Pose, limbs: Sequence[Limb], file: str) -> tuple[Stand, Stand] | Crawl:
     """Two groups that stand in turn; a crawl where there are none."""
     arms = np.linalg.norm([limb.toe[:2] - limb.hip for limb in limbs], axis=1)
     if arms.min() < SHORT * max(float(arms.max()), 1e-9):
-        raise refusal("below", source, foot=limbs[int(arms.argmin())].foot)
+        raise refusal("below", file, foot=limbs[int(arms.argmin())].foot)
     weight = pose.center_of_mass[:2]
     # how far each leg may turn clockwise and anticlockwise from where it is [rad]
     spans = [np.array(pose.span(m.swing)) - pose.angle(m.swing) for m in limbs]
     turns = [limb.turn * span for limb, span in zip(limbs, spans, strict=True)]
     room = np.sort(turns, axis=1)
     try:
-        ways = two_groups(limbs, weight, source)
+        ways = two_groups(limbs, weight, file)
     except ModelError as alone:
         try:
-            return find_crawl(pose, limbs, room, source)
+            return find_crawl(pose, limbs, room, file)
         except ModelError as either:
             why = str(alone).partition(": ")[0]
             raise ModelError(f"{why}, and {either}") from alone
-    return posed(limbs, ways, weight, room, source)
+    return posed(limbs, ways, weight, room, file)
 
 
 def _numbered(limbs: Sequence[Limb]) -> tuple[Limb, ...]:

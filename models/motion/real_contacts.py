@@ -50,8 +50,7 @@ class ContactField:
         out = np.moveaxis(self.coefficients, 0, -1)  # (..., 3)
         for axis, u in enumerate(scaled.T):
             basis = chebyshev.chebvander(u, self.coefficients.shape[1 + axis] - 1)
-            subscripts = "nk,nk...->n..." if axis else "nk,k...->n..."
-            out = np.einsum(subscripts, basis, out)
+            out = np.einsum("nk,nk...->n..." if axis else "nk,k...->n...", basis, out)
         return out
 
     def expressions(self, angles: Sequence[sp.Symbol]) -> tuple[sp.Expr, ...]:

@@ -8,7 +8,7 @@ across, unless the pivots coincide or neither swing turns the body.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import hypot
 from typing import Literal, get_args
@@ -161,9 +161,7 @@ def twist_at_rest(kinematics: Kinematics, stratum: str, direction: Direction) ->
     return forward, left, yaw
 
 
-def _elements(
-    robot: Robot, swings: tuple[Swing, ...], fields: Fields
-) -> tuple[str, ...]:
+def _elements(robot: Robot, swings: Sequence[Swing], fields: Fields) -> tuple[str, ...]:
     """Loaded swings to steer with, every group's swing in the air, and one bracket.
 
     A swing in the air is that on the first stratum where the group is lifted.

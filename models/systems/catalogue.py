@@ -194,9 +194,7 @@ def _decode(
         words=cast(Words, table.text("words", "printed")),
         in_gait="gait" in table,
         flat=_flat(table, formula) if "flat" in table else None,
-        hitches=tuple(
-            formula("hitches", angle) for angle in table.texts("hitches", ())
-        ),
+        hitches=tuple(formula("hitches", each) for each in table.texts("hitches", ())),
     )
 
 

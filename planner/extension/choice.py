@@ -106,13 +106,13 @@ def choose_elements(
         begun = [c for f in first for c in even if c.name == f.name]
         chosen = _enlarged(begun, even[len(fields) :], system, x)
         if min(Q.shape[1] for Q in _spans(chosen, x)) == system.bottom_dimension:
-            return _explained(system, chosen, x)
+            return _choice(system, chosen, x)
     plain = [c.measured(1.0 / system.weights) for c in chosen]
     spans = _spans(plain, x)  # each configuration for itself
     ranks = [Q.shape[1] for Q in spans]
     worst = int(np.argmin(ranks))
     if ranks[worst] == system.bottom_dimension:
-        return _explained(system, chosen, x)
+        return _choice(system, chosen, x)
     reached = column_space(spans[worst] / system.weights[:, None])
     needed = system.bottom_dimension
     more = involutive_closure(usable, system.state, x[worst], 2 * max_degree, needed)
@@ -197,9 +197,7 @@ def _enlarged(
         chosen.append(candidates[min(useful)[-1]])
 
 
-def _explained(
-    system: StratifiedSystem, chosen: Sequence[_Candidate], x: Array
-) -> Choice:
+def _choice(system: StratifiedSystem, chosen: Sequence[_Candidate], x: Array) -> Choice:
     reasons = []
     for k, candidate in enumerate(chosen):
         added = candidate.beyond(_spans(chosen[:k], x))

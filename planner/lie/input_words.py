@@ -87,8 +87,7 @@ def spellings(
         raise ValueError(f"order is {order!r}; choose backward or forward")
     # -f are the backward coordinates of the inverse flow; its word is inverted, too.
     back = order == "forward"
-    way = -forward(basis, h) if back else h
-    amounts = _amounts(algebra, way, vanishing, turned)
+    amounts = _amounts(algebra, -forward(basis, h) if back else h, vanishing, turned)
     return _spelled(algebra, amounts, units, back, turned)
 
 

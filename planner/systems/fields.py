@@ -221,10 +221,7 @@ class CompiledFields:
 def compile_fields(
     fields: Sequence[VectorField], state: Symbols, names: Sequence[str] = ()
 ) -> CompiledFields:
-    """Columns of fields as one numeric function that evaluates common terms once.
-
-    The names of the fields serve messages.
-    """
+    """Columns of named fields as one numeric function that shares common terms."""
     rows = next((len(f) for f in fields if not isinstance(f, NumericField)), len(state))
     constant = np.zeros((rows, len(fields)))
     varying: dict[tuple[int, int], sp.Expr] = {}

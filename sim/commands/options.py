@@ -125,10 +125,7 @@ def folder_of(options: argparse.Namespace) -> Path | None:
 
 
 def run_of(options: argparse.Namespace) -> Path:
-    """The run that is asked for: the newest, where a folder holds runs.
-
-    A folder of runs that has none is a UsageError.
-    """
+    """The run that is asked for, or the newest of a folder; UsageError without one."""
     folder = Path(GUESSES["runs"].get(options.run, options.run))
     ended = runs_in(folder)
     if (folder / "scenario.toml").exists() or not (folder == Path("runs") or ended):

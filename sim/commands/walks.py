@@ -72,10 +72,7 @@ def _walk(
     hints: Iterable[str],
     log: Log | None = None,
 ) -> ExitCode:
-    """Walk a scenario or a log into a folder, print how it went, and judge it.
-
-    The hints are printed once there is a folder.
-    """
+    """Walk a scenario or a log into a folder, tell hints and how it went, and judge."""
     from sim.run_folder import run
 
     folder = claim(cli.folder_of(options), scenario.name)
@@ -181,10 +178,7 @@ class Try:
 def tries_of(
     scenario: Scenario, robot: Robot, options: argparse.Namespace, hints: Iterable[str]
 ) -> ExitCode:
-    """Walk draws one after another; the worst and the median are printed.
-
-    The hints are printed once there is a folder.
-    """
+    """Walk draws into a folder, print hints, the worst and the median, and judge."""
     if not any(getattr(scenario, name) for name in RANDOM):
         raise UsageError.of("not_drawn", "--tries")
     asked = scenario.predictions or ("ideal", "quasi_static")  # others cost walks

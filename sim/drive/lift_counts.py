@@ -94,10 +94,7 @@ class LiftCounts:
 
     @cached_property
     def _loads(self) -> Array:
-        """Counts by which loads bend standing legs on each stratum of the gait, (S, F).
-
-        Other legs have NaN.
-        """
+        """Counts by which loads bend standing legs, (strata, feet); else NaN."""
         robot = self.setup.robot
         strata = sorted(set(robot.card.gait))
         down = [np.array([g in stratum for g in robot.groups]) for stratum in strata]

@@ -56,10 +56,7 @@ def written(stops: Iterable[Stop]) -> str:
 
 
 def read(text: str) -> tuple[Stop, ...]:
-    """The stops that a text of `written` lists.
-
-    A missing column is a KeyError, other errors of a line are ValueErrors.
-    """
+    """The stops that a text of `written` lists; KeyError, ValueError if damaged."""
     stops: list[Stop] = []
     for number, table in enumerate(csv_rows(text, "feedback.csv")):
         with suppress(ValueError):

@@ -216,10 +216,7 @@ def check_free(card: Path) -> None:
 
 
 def write_card(robot: Robot, card: Path, text: str) -> str:
-    """Write a card, and the robot's file beside it if it is one alone.
-
-    Returns how to use it, in words.
-    """
+    """Write a card, and the robot's file if it is one alone; return how to use it."""
     with whole(card, new=True) as part:
         part.write_text(text, "utf-8")
     model = card.with_suffix(".xml")

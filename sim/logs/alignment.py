@@ -93,10 +93,7 @@ def ordered(log: Log, joints: Sequence[str]) -> Log:
 
 
 def measured(log: Log, time: Array, predicted: Array) -> Measured | None:
-    """What the log measured at times (T,) [s], beside a prediction (T, 3).
-
-    None where it measured nothing.
-    """
+    """What a log measured at (T,) [s], beside a prediction (T, 3); None if nothing."""
     body, done = _finite(time, log.time, _body(log)), [*_gaps(log)]
     both = zip(("roll", "pitch"), (body - body[0]).T[3:], strict=True)
     lean = {name: angle for name, angle in both if np.isfinite(angle).all()}

@@ -116,10 +116,7 @@ class Outline:
         return Solids(self.model, self.model.body(self.robot.root).id)
 
     def configurations(self, pose: Array, swing: Array, lift: Array) -> Array:
-        """Joint positions (T, nq) of a level body at poses (T, 3).
-
-        Groups have swing and lift angles, shape (T, G) [rad].
-        """
+        """Joint positions (T, nq) at level poses (T, 3), group angles (T, G) [rad]."""
         robot, model = self.robot, self.model
         qpos = np.tile(robot.start_qpos, (len(pose), 1))
         root = robot.root_address_in(model)

@@ -145,8 +145,7 @@ def _across(path: Array) -> float:
     """Azimuth that puts the longest extent of a path across the picture [degrees]."""
     plane = path[:, :2] - path[:, :2].mean(axis=0)
     x, y = np.linalg.eigh(plane.T @ plane)[1][:, -1]
-    angle = np.arctan2(y, x) if x >= 0 else np.arctan2(-y, -x)
-    return float(np.degrees(angle)) + 90.0
+    return float(np.degrees(np.arctan2(y, x) if x >= 0 else np.arctan2(-y, -x))) + 90.0
 
 
 def _fit(points: Array, azimuth: float, elevation: float) -> tuple[Array, float]:

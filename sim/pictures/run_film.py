@@ -176,13 +176,11 @@ def draw(pieces: Sequence[Piece], driver: str, progress: Callable[[int], None]) 
             _check(worker, pieces[0])
 
 
-def _start(
-    stack: ExitStack, piece: Piece, environment: dict[str, str], pen: int
-) -> Worker:
+def _start(stack: ExitStack, piece: Piece, env: dict[str, str], pen: int) -> Worker:
     complaints = stack.enter_context(TemporaryFile())  # noqa: SIM115 (it does)
     process = subprocess.Popen(
         piece.command,
-        env=environment,
+        env=env,
         stdin=subprocess.DEVNULL,
         stdout=pen,
         stderr=complaints,

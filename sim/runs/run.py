@@ -284,18 +284,17 @@ def _require_one_walk(run: Run) -> None:
         raise KeyError("ctrl in commands.npz")
     clock, end = run.commands["time"], run.time[-1]
     ends = end - clock[-1] - np.diff(clock).max(initial=0.0), end - run.phases[-1].end
-    achieved, began = run.summary.achieved, run.summary.walk_starts - SAME
-    walked = [phase for phase in run.phases if phase.start >= began]
+    achieved, goal = run.summary.achieved, run.summary.goal
+    walked = [o for o in run.phases if o.start >= run.summary.walk_starts - SAME]
     slips = [achieved.slip - sum(phase.slip for phase in walked)]
     if achieved.slip_swing is not None:
         swings = (phase.slip for phase in walked if phase.kind == "swing")
         slips.append(achieved.slip_swing - sum(swings))
     told = {name: getattr(run.summary, name) for name in TOLD}
     unlike = any(run.settings.get(name, own) != own for name, own in told.items())
-    off = run.achieved[-1] - achieved.pose
-    beside = () if run.summary.goal is None else run.nominal[-1] - run.summary.goal
-    more = run.segments > max(run.summary.segments, 1)
-    if unlike or more or np.abs([*ends, *slips, *off, *beside]).max() > SAME:
+    beside = () if goal is None else run.nominal[-1] - goal
+    off = np.abs([*ends, *slips, *(run.achieved[-1] - achieved.pose), *beside]).max()
+    if unlike or off > SAME or run.segments > max(run.summary.segments, 1):
         raise ValueError("its files are of different walks")
     if run.summary.weighed and run.summary.weighed.prediction not in [*run.predicted]:
         raise ValueError(f"unknown prediction {run.summary.weighed.prediction!r}")

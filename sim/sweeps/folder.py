@@ -93,7 +93,7 @@ class About:
     @classmethod
     def read(cls, path: Path) -> About | None:
         """What the sweep of a folder is about; None where nothing says so yet."""
-        with telling("cannot be read", path, remedy := "choose another folder"):
+        with telling("cannot be read", path, "choose another folder"):
             try:
                 found = json.loads(read_file(path))
                 json.dumps(found, allow_nan=False, ensure_ascii=False).encode()
@@ -101,9 +101,7 @@ class About:
             except FileNotFoundError:
                 return None
             except UNREADABLE as error:
-                raise UsageError(
-                    "not as a sweep wrote it", str(path), remedy
-                ) from error
+                raise UsageError.of("no_sweep", path) from error
 
     @property
     def sweep(self) -> Sweep:

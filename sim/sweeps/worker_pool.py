@@ -100,10 +100,7 @@ class WorkerPool:
     deaths: Counter[str] = field(default_factory=Counter)
 
     def carry_out(self, tasks: Iterable[Task]) -> Iterator[Outcome]:
-        """Outcomes of tasks as they come.
-
-        SweepError where no worker may take part, or the scheduler is lost.
-        """
+        """Outcomes of tasks as they come; SweepError without workers or scheduler."""
         try:
             yield from self._carried_out(tasks)
         except (OSError, CancelledError) as error:

@@ -138,9 +138,7 @@ class Walker:
     def _scheduler(self) -> Scheduler:
         return Scheduler(self.setup.limits, self._shape, self.steps)
 
-    def _play(
-        self, schedule: Schedule, share: tuple[float, float] = (0.0, 0.0)
-    ) -> None:
+    def _play(self, schedule: Schedule, share: tuple[float, float] = (0, 0)) -> None:
         if not schedule.phases:
             return
         check_effort(self.setup, schedule.stop)

@@ -1,7 +1,4 @@
-"""What the testbed changes in a robot's own file before it walks, in words.
-
-`changes.toml` has the sentences.
-"""
+"""What the testbed changes in a robot's file before it walks; see `changes.toml`."""
 
 from __future__ import annotations
 

@@ -46,7 +46,7 @@ def add_imperfections(
         rigid = _mobility(spec, robot)
         own = {"solimp_limit": HARD, "armature": LOOSE, "damping": RUBBED}
         for name in robot.card.joints:
-            add_loose_joint(spec.joint(name), BACKLASH, slack, **own)
+            add_loose(spec.joint(name), BACKLASH, slack, **own)
         _stiffen(spec.geom(floor), _mobility(spec, robot) / rigid)
     if scenario.payload is not None and scenario.payload[0]:
         mass, *place = scenario.payload
@@ -125,9 +125,7 @@ def _set_foot_friction(
             foot.condim, foot.priority = floor.condim, floor.priority + 1
 
 
-def add_loose_joint(
-    joint: mujoco.MjsJoint, prefix: str, width: float, **own: Any
-) -> None:
+def add_loose(joint: mujoco.MjsJoint, prefix: str, width: float, **own: Any) -> None:
     """Another joint about the axis of a joint, between stops a width apart [rad]."""
     joint.parent.add_joint(
         name=prefix + joint.name,

@@ -43,10 +43,7 @@ def inertia_share(robot: Robot, model: mujoco.MjModel, joints: Sequence[str]) ->
 
 
 def undamped_joints(robot: Robot, asked: ServoSettings) -> tuple[str, ...]:
-    """Leg joints on position servos that nothing damps, or too little for new rotors.
-
-    None if the damping is asked for.
-    """
+    """Leg joints whose servos are damped too little; none if damping is asked for."""
     if asked.damping is not None or asked.damping_ratio is not None:
         return ()
     model, added = robot.model, added_rotors(robot, asked)

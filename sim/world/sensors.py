@@ -1,7 +1,4 @@
-"""Sensors of the centre of mass and of contacts: feet, the robot itself, obstacles.
-
-Obstacles are solid geoms.
-"""
+"""Sensors of the centre of mass and of contacts; obstacles, which are solid geoms."""
 
 from __future__ import annotations
 
