@@ -227,7 +227,7 @@ class _Asker:
             try:
                 return read(self._answer(question).strip())
             except (EOFError, StopIteration):
-                raise UsageError("answers end", self._place, way_on()) from None
+                raise UsageError("answers end", self._place, self._on) from None
             except (ValueError, argparse.ArgumentTypeError) as error:
                 self.refuse(error)
         what = f"{MOST_MISTAKES} answers to one question cannot be used"
@@ -235,11 +235,22 @@ class _Asker:
 
     def refuse(self, error: Exception) -> None:
         """Say why an answer cannot be used, with which those of a file end."""
-        if self._answer is input and sys.stdin.isatty():  # a person is asked again
+        if self._is_asked:
             print(printable(f"  {error}"))
             return
-        on = f"leave in it the answers that are yet to be used; {way_on()}"
-        raise UsageError(f"an answer that cannot be used, {error}", self._place, on)
+        what = f"an answer that cannot be used, {error}"
+        raise UsageError(what, self._place, self._on)
+
+    @property
+    def _on(self) -> str:
+        """How to go on, with a file of answers that does not begin with used ones."""
+        rest = "leave in it the answers that are yet to be used; "
+        return rest * (not self._is_asked) + way_on()
+
+    @property
+    def _is_asked(self) -> bool:
+        """Whether a person answers, who is asked again."""
+        return self._answer is input and sys.stdin.isatty()
 
 
 def _check(robot: Robot, kind: ServoKind, folder: RunFolder) -> Mapping[str, str]:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy import nan
 
 from planner import Array
 from sim.compliant.prediction import CompliantPrediction
@@ -135,12 +136,15 @@ def real_robot(walk: Walk, real: Measured | None) -> Real | None:
     simulated = dict(zip(("roll", "pitch"), (lean - lean[0]).T, strict=True))
     if log.measured is not None:
         angles = turned(model, moments.qpos[on], log.joints, BACKLASH)
-        apart = [
-            angle - np.interp(time[on], log.time[there], column[there])
-            for angle, column in zip(angles.T, log.measured.T, strict=True)
-            if (there := np.isfinite(column)).any()
-        ]
-        joints = float(np.sqrt(np.mean(np.square(apart))))
+        apart = np.array(
+            [
+                angle - np.interp(time[on], log.time[there], column[there], nan, nan)
+                for angle, column in zip(angles.T, log.measured.T, strict=True)
+                if (there := np.isfinite(column)).any()
+            ]
+        )
+        known = apart[np.isfinite(apart)]  # between what was measured first and last
+        joints = float(np.sqrt(np.mean(known**2))) if len(known) else None
     if log.contact:
         rows = np.clip(log.time.searchsorted(time[on]), 0, len(log.time) - 1)
         told = np.stack([log.contact[leg][rows] for leg in log.contact], axis=1)

@@ -195,19 +195,23 @@ def _pose(key: str, value: object) -> Pose:
 
 def _poses_in(text: str) -> list[tuple[float, ...]]:
     """Poses from the text of a table whose first line names the columns."""
-    rows = csv.DictReader(io.StringIO(text, newline=""))
-    names = [name.strip() for name in rows.fieldnames or ()]
+    rows = csv.reader(io.StringIO(text, newline=""))
+    names = [name.strip() for name in next(filter(None, rows), ())]
     if missing := [name for name in COLUMNS if name not in names]:
         raise ValueError(f"no column {missing[0]!r}; begin with the line x,y,yaw")
     if twice := [name for name in COLUMNS if names.count(name) > 1]:
         raise ValueError(f"two columns {twice[0]!r}; name one of them otherwise")
-    rows.fieldnames = names
-    poses = []
-    for number, row in enumerate(rows, start=2):
+    poses = list[tuple[float, ...]]()
+    for row in filter(None, rows):
+        if len(row) != len(names):
+            cells = f"{len(row)} of {len(names)} columns"
+            raise ValueError(f"line {rows.line_num} has {cells}; part them by commas")
+        plain = (row[names.index(name)].replace("_", "?") for name in COLUMNS)
         try:
-            poses.append(tuple(float(row[name]) for name in COLUMNS))
-        except (TypeError, ValueError):
-            raise ValueError(f"line {number} holds no pose; give numbers") from None
+            poses.append(tuple(float(cell.encode("ascii")) for cell in plain))
+        except ValueError:
+            where = f"line {rows.line_num}"
+            raise ValueError(f"{where} holds no pose; give numbers") from None
         if len(poses) > MOST_POSES:
             raise ValueError(f"more than {MOST_POSES} poses; leave some of them out")
     return poses

@@ -154,7 +154,7 @@ class Ledger:
     def add(self, outcomes: Iterable[Outcome]) -> None:
         """Write lines and wait until they are on the disk."""
         content = b"".join(one.line for one in outcomes)
-        remedy = "make room, and go on with --resume; finished points are kept"
+        remedy = "make room, and repeat the command, sweep with --resume; points stay"
         with telling("cannot be written", self._path, remedy):
             while content:
                 content = content[os.write(self._handle, content) :]

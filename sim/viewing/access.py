@@ -10,6 +10,7 @@ NetImgui with Dear ImGui 1.92.
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import os
 import socket
@@ -110,7 +111,8 @@ def _pasted(command: bytes) -> bytes:
     return (head + text).ljust(room, b"\0")
 
 
-LIMITS = {"max_size": 2**20, "open_timeout": 10.0}  # of a message [bytes], [s]
+UNREAD = 5.0  # [s], after which a browser that reads nothing is dropped
+LIMITS = {"max_size": 2**20, "open_timeout": 10.0, "close_timeout": UNREAD}
 UI, DROP = "/ui", "/drop"  # where a browser says what is done to it, and drops models
 POLICY_VIOLATION = 1008  # code that closes a websocket
 
@@ -187,6 +189,14 @@ class _Heard:
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._connection, name)
+
+    async def send(self, message: str | bytes) -> None:
+        """Send in a few seconds or never: other browsers wait for it to be read."""
+        try:
+            await asyncio.wait_for(self._connection.send(message), UNREAD)
+        except TimeoutError:
+            self._connection.transport.abort()
+            raise ConnectionError("a browser reads nothing") from None
 
     async def recv(self) -> str | bytes:
         async for message in self:

@@ -129,6 +129,17 @@ def test_an_answer_of_a_pipe_that_cannot_be_used_ends_all(monkeypatch):
         _Asker(None)("which? ", int)
 
 
+def test_answers_of_a_file_that_end_are_not_to_be_given_again(tmp_path):
+    file = tmp_path / "answers"
+    file.write_text("3\n")
+    ask = _Asker(str(file))
+    assert ask("which? ", int) == 3
+    with pytest.raises(
+        UsageError, match="answers end: .*; leave in it the answers that"
+    ):
+        ask("which? ", int)
+
+
 def test_a_mistake_in_a_file_is_told_in_plain_characters(tmp_path):
     file = tmp_path / "answers"
     file.write_text("\x1b[31m\n")

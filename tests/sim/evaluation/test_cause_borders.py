@@ -21,6 +21,7 @@ from sim.evaluation.phases import (
 )
 from sim.evaluation.verdict import judge
 from sim.logs.alignment import Measured
+from sim.logs.log import Log
 from sim.physics.measure import ContactLog
 from sim.scenarios.file import load_scenario
 from tests.sim.evaluation.test_causes import with_recording, with_settings, with_setup
@@ -243,3 +244,26 @@ def test_a_real_robot_is_told_by_its_last_row():
     for column, share in ([1, 9, nan], 1.0), ([nan, 9, nan], None), ([0, 9, 1], 0.5):
         motion.log.contact = {8: np.array(column)}
         assert real_robot(walk, Measured()).contact == share
+
+
+def test_joints_are_compared_from_their_first_measured_angle_to_their_last(monkeypatch):
+    time = np.array([0.0, 0.5, 1.0])
+    turned = lambda *_: np.array([[0.0], [0.1], [0.2], [0.3], [0.4]])  # noqa: E731
+    monkeypatch.setattr("sim.evaluation.phases.turned", turned)
+    moments = SimpleNamespace(step=np.arange(5), qpos=np.eye(5, 7, 3))
+    setup = SimpleNamespace(
+        model=None, limits=SimpleNamespace(timestep=0.25),
+        robot=SimpleNamespace(root_address_in=lambda _: 0),
+    )  # fmt: skip
+    walk = SimpleNamespace(setup=setup, recording=SimpleNamespace(moments=moments))
+    walk.starts = 0
+    for column, off in (
+        ([nan, 0.3, 0.5], 0.1),
+        ([0.0, nan, nan], 0.0),
+        ([nan] * 3, None),
+    ):
+        measured = np.array(column)[:, None]
+        log = Log(time, ("a",), np.zeros((3, 1)), measured=measured)
+        setup.motion = SimpleNamespace(log=log)
+        found = real_robot(walk, Measured()).joints
+        assert found == (None if off is None else pytest.approx(off, abs=1e-12))

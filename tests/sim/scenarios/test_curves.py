@@ -88,7 +88,11 @@ def test_impossible_curves_are_refused(table, message):
     [
         (b"x,y\n0,0", "no column 'yaw'"),
         (b"x,y,yaw,x\n0,0,0,0", "two columns 'x'"),
-        (b"x,y,yaw\n0,0,0\n1,a,0", "line 3 holds no"),
+        (b"x,y,yaw\n0,0,0\n\n\n1,a,0", "line 5 holds no pose: .*; give numbers"),
+        (b"x,y,yaw\n0,0,0\n1_0,0,0", "line 3 holds no"),
+        ("x,y,yaw\n0,0,0\n\u0661,0,0".encode(), "line 3 holds no"),
+        (b"x,y,yaw\n0,0,0\n1,2,0,3", "line 3 has 4 of 3 columns: .*; part"),
+        (b"x,y,yaw\n0,0,0\n0,02", "line 3 has 2 of 3 columns"),
         (b"x,y,yaw\n0,0,\xff", "is no text in UTF-8"),
     ],
 )
@@ -99,9 +103,10 @@ def test_impossible_files_are_refused(tmp_path, text, message):
         decode({"kind": "table", "file": str(file)})
 
 
-def test_files_of_spreadsheets_begin_with_a_mark(tmp_path):
+def test_files_of_spreadsheets_begin_with_a_mark_or_empty_lines(tmp_path):
+    """And may have further columns, of whatever kind."""
     file = tmp_path / "poses.csv"
-    file.write_text("x,y,yaw\n0,0,0\n1,0,0", encoding="utf-8-sig")
+    file.write_text("\n\nx,name,y,yaw\n0,a,0,0\n1,b,0,0\n", encoding="utf-8-sig")
     path = decode({"kind": "table", "file": str(file)})
     assert path.goal == (1, 0, 0)
 
