@@ -99,8 +99,8 @@ class Setup:
     def learns(self) -> bool:
         """Whether replanning allows for what segments missed before."""
         asked, scenario = self.scenario.learn, self.scenario
-        needed = scenario.is_imperfect or scenario.sense != "exact"
-        return scenario.replan and (needed if asked is None else asked)
+        needed = scenario.is_imperfect or scenario.learnt or scenario.sense != "exact"
+        return scenario.replan and bool(needed if asked is None else asked)
 
     def feedback(self) -> Feedback:
         """What says, as a walk is planned piece by piece, where the robot is."""

@@ -48,6 +48,14 @@ def test_an_unknown_set_is_refused_with_those_known():
         load_scenario("line", {"imperfect": "hobbit"})
 
 
+@pytest.mark.parametrize("given", ["learnt=[0.1]", "sense=tag", "sense_every=2"])
+def test_what_only_stops_need_is_refused_where_a_walk_has_none(given, capsys):
+    name = given.partition("=")[0]
+    assert main(["run", "line", "--set", given]) == 2
+    said = capsys.readouterr().err
+    assert f"{name} is for walks that are replanned, and this one is not: scen" in said
+
+
 @pytest.mark.physics
 def test_every_draw_has_a_run_folder_and_a_row(tmp_path, capsys):
     out = tmp_path / "tries"

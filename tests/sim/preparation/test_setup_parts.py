@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from planner import PlannerError
-from sim.feedback.filter import NONE_MISSED
+from sim.feedback.filter import NONE_MISSED, Learnt
 from sim.preparation.setup import prepare
 from sim.preparation.shared import Shared, no_cache
 from sim.problems.scenario import ScenarioProblem
@@ -15,6 +15,7 @@ from sim.scenarios.file import load_scenario
 
 LEAST_POSITION = 1e-3
 LEAST_YAW = 1e-2
+LEARNT = Learnt(np.zeros(3), np.zeros((3, 3)), np.eye(12)).numbers
 ROUNDED = 1.0 + 1e-9  # times a tolerance, within which it is kept
 
 
@@ -75,6 +76,7 @@ def test_what_follows_from_commands_is_made_once_for_equal_commands(setup):
         ({"replan": True, "sense": "tag"}, True),
         ({"replan": True, "sense": "tag", "learn": False}, False),
         ({"replan": True, "backlash": 0.01}, True),
+        ({"replan": True, "learnt": LEARNT}, True),
     ],
 )
 def test_replanned_walks_learn_where_something_is_to_be_learnt(setup, changes, learns):
