@@ -202,7 +202,7 @@ def free_reach(
     for place, gain in chain.from_iterable(group.items() for group in groups):
         joint = limbs[place].swing
         (low, high), angle = pose.span(joint), pose.angle(joint)
-        rooms[joint] = min(high - angle, angle - low) / abs(gain)
+        rooms[joint] = min(high - angle, angle - low, np.pi / 2) / abs(gain)
     joint = min(rooms, key=lambda name: round(rooms[name], 9))  # of equals the first
     farthest = rooms[joint]
     if first := _Trial(pose, limbs, groups, lift).first_touching(farthest):

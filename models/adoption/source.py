@@ -11,6 +11,7 @@ from __future__ import annotations
 import os
 import re
 import xml.etree.ElementTree as ET
+from collections import Counter
 from dataclasses import dataclass
 from math import atan2, hypot
 from pathlib import Path
@@ -134,6 +135,11 @@ def _from_urdf(path: Path, text: str) -> str:
         raise refusal("bases", path)
     if bases[0] == "world":
         raise refusal("world", path)
+    if (own := robot.find("joint[@type='floating']")) is not None:
+        raise refusal("floating", path, joint=own.get("name"))
+    joints = Counter(joint.get("name") for joint in robot.iterfind("joint"))
+    if twice := [name for name, count in joints.items() if count > 1]:
+        raise refusal("twice", path, joint=twice[0])
     limited = {
         joint.get("name")
         for joint in robot.iterfind("joint")

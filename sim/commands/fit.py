@@ -143,6 +143,6 @@ def _cells(estimates: Estimates, problem: int) -> list[str]:
         scale = MILLI if parameter.unit in MILLI_UNITS else 1.0
         value, error = (scale * number for number in estimates.of(k, problem))
         places = min(max(1 - floor(log10(max(error, 1e-9))), 0), 6)
-        text = f"{value:.{places}f} +- {error:.{places}f}"
+        text = f"{value:z.{places}f} +- {error:.{places}f}"
         cells.append(text if estimates.seen[problem, k] else "-")
     return cells

@@ -130,7 +130,7 @@ def _row(summary: Summary, row: str, label: str = "") -> str:
     if (error := summary.error.get(row)) is not None:
         share = f"{error.position / length:6.2%}" if length else f"{'':6}"
         off = f"{1e3 * error.position:6.2f} mm {share} {error.yaw:7.4f} rad"
-    cells = (f"{q.words(q.value(summary, row)):>{q.width}}" for q in COLUMNS)
+    cells = (f" {q.words(q.value(summary, row)):>{q.width - 1}}" for q in COLUMNS)
     return f"{label or ROWS[row]:13}{end:28}{off:28}{''.join(cells)}".rstrip()
 
 

@@ -14,13 +14,8 @@ from planner.support import shipped_tables
 from sim.scenarios.scenario import Scenario
 from sim.world.floor import SOLVING, floor_pairs, scene
 from sim.world.motors import added_rotors, undamped_joints
-from sim.world.servos import (
-    couplings,
-    delayed_servos,
-    joints_without_servo,
-    other_drives,
-    servo_settings,
-)
+from sim.world.others import couplings, other_drives
+from sim.world.servos import delayed_servos, joints_without_servo, servo_settings
 
 MESSAGES: Mapping[str, str] = shipped_tables("sim.world", "changes.toml")
 

@@ -8,7 +8,6 @@ the same servo on the joint itself, so that commands are angles.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from copy import copy
 from dataclasses import asdict, dataclass, replace
 from typing import Literal
 
@@ -28,6 +27,7 @@ from models.description import (
 from planner.support import did_you_mean
 from sim.errors import UsageError, message
 from sim.scenarios.scenario import Scenario
+from sim.world.others import couplings, other_drives
 
 SOFT_STIFFNESS = 300.0  # [N m/rad]; docs/fidelity.md has the errors of softer servos
 
@@ -113,8 +113,6 @@ def _kind(name: str, data: Mapping[str, float], scenario: Scenario) -> ServoKind
         raise UsageError.at(f"servo_data of {name!r}, {where}", error) from error
 
 
-COUPLING = (int(mujoco.mjtEq.mjEQ_JOINT), int(mujoco.mjtEq.mjEQ_TENDON))
-MOVES = 1e-9  # moment of an actuator about a joint, below which it does not move it
 INHERITED = (
     "gear", "ctrllimited", "forcelimited", "actlimited", "ctrlrange", "forcerange",
     "actrange", "lengthrange", "inheritrange", "dyntype", "dynprm", "gaintype",
@@ -222,52 +220,6 @@ def _tune(servo: mujoco.MjsActuator, asked: ServoSettings) -> None:
     if asked.torque is not None:
         servo.forcelimited = True
         servo.forcerange = (-asked.torque, asked.torque)
-
-
-def other_drives(robot: Robot) -> list[str]:
-    """Names of the actuators that move leg joints from elsewhere than the joint itself.
-
-    Those that are on legs of the card are found by their moments about the leg joints,
-    where the robot starts.
-    """
-    model, found = robot.model, []
-    data, dofs = _at_start(model, robot)
-    for actuator in np.flatnonzero(~np.isin(model.actuator_trntype, ON_JOINT)):
-        first = data.moment_rowadr[actuator]
-        row = slice(first, first + data.moment_rownnz[actuator])
-        moves = np.abs(data.actuator_moment[row]) > MOVES
-        if dofs & set(data.moment_colind[row][moves].tolist()):
-            found.append(model.actuator(int(actuator)).name)
-    return found
-
-
-def couplings(robot: Robot) -> list[int]:
-    """Equations that tie leg joints to others, also by tendons, or the robot down."""
-    model = copy(robot.model)
-    model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
-    data, dofs = _at_start(model, robot)
-    slopes = data.efc_J.reshape(-1, model.nv)[: data.nefc]  # room may be left behind
-    moved = np.abs(slopes[:, sorted(dofs)]) > MOVES
-    equal = data.efc_type == int(mujoco.mjtConstraint.mjCNSTR_EQUALITY)
-    numbers = np.unique(data.efc_id[equal & moved.any(axis=1)])
-    coupling = numbers[np.isin(model.eq_type[numbers], COUPLING)]
-    sites = model.eq_objtype == int(mujoco.mjtObj.mjOBJ_SITE)
-    placed = sites | (model.eq_objtype == int(mujoco.mjtObj.mjOBJ_BODY))
-    ends = np.stack([model.eq_obj1id, model.eq_obj2id]) * placed
-    ends[:, sites] = model.site_bodyid[ends[:, sites]]
-    own = model.body_rootid[ends] == model.body(robot.root).id
-    weld = model.body_weldid[ends]
-    fixed = (weld == 0) | (model.body_mocapid[weld] >= 0)
-    held = own.any(axis=0) & fixed.any(axis=0) & (data.eq_active > 0)
-    return np.union1d(coupling, np.flatnonzero(held)).astype(int).tolist()
-
-
-def _at_start(model: mujoco.MjModel, robot: Robot) -> tuple[mujoco.MjData, set[int]]:
-    """The model where the robot starts, and the dofs of its leg joints."""
-    data = mujoco.MjData(model)
-    data.qpos[:] = robot.start_qpos
-    mujoco.mj_forward(model, data)
-    return data, {int(model.joint(joint).dofadr[0]) for joint in robot.card.joints}
 
 
 @dataclass(frozen=True)

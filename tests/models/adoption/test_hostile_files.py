@@ -129,6 +129,23 @@ def test_what_others_write_into_a_urdf_changes_nothing(tmp_path, more):
     assert source_of(str(path)).text == own
 
 
+def test_a_base_that_floats_by_a_joint_of_its_own_is_refused_by_that(tmp_path):
+    path = next(one for one in ADOPTEES if one.name == "box").write(tmp_path)
+    own = '<link name="odom"/><joint name="f" type="floating"><parent link="odom"/>'
+    head, text = '<robot name="box">', path.read_text()
+    path.write_text(text.replace(head, f'{head}{own}<child link="trunk"/></joint>'))
+    with pytest.raises(ModelError, match="joint 'f' floats, .*; take it out, and the li"):
+        source_of(str(path))
+
+
+def test_two_joints_of_one_name_are_refused_by_it(tmp_path):
+    path = next(one for one in ADOPTEES if one.name == "box").write(tmp_path)
+    first, second, *_ = re.findall('<joint name="([^"]*)"', text := path.read_text())
+    path.write_text(text.replace(f'<joint name="{second}"', f'<joint name="{first}"'))
+    with pytest.raises(ModelError, match=f"two joints have the name '{first}': "):
+        source_of(str(path))
+
+
 def test_a_robot_that_is_fixed_to_the_ground_is_refused(tmp_path):
     path = next(one for one in ADOPTEES if one.name == "box").write(tmp_path)
     fixed = '<link name="world"/><joint name="f" type="fixed"><parent link="world"/>'

@@ -53,6 +53,18 @@ def test_legs_swing_until_they_would_touch_and_the_draft_names_what_touches(tmp_
     )
 
 
+def test_ranges_beyond_a_quarter_turn_do_not_change_how_far_legs_swing(tmp_path):
+    """As of joints without a range, or with limits in degrees by mistake."""
+    path = owners.turntable(tmp_path)
+    text, found = path.read_text(), set()
+    for most in (130, 3000):
+        wide = f'range="-{most} {most}"'
+        path.write_text(text.replace('range="-80 80"', wide))
+        assert path.read_text().count(wide) == 6 + 12
+        found.add(draft_card(source_of(str(path))).card)
+    assert len(found) == 1
+
+
 def test_where_nothing_touches_the_joints_end_the_swing(tmp_path):
     robot, said = drafted(owners.handmade(tmp_path))
     assert robot.card.groups["1"].swing is None
