@@ -1,7 +1,4 @@
-"""Errors of the planner, and the tables of sentences that they and others say.
-
-Each message gives the value, the place and a remedy.
-"""
+"""Errors of the planner, and tables of sentences, that give value, place and remedy."""
 
 from __future__ import annotations
 

@@ -1,8 +1,4 @@
-"""Ten robots in MJCF and URDF as others draw them, from templates, to be adopted.
-
-Example:
-    python -m scripts.adoptees spider
-"""
+"""Ten robots as others draw them, to be adopted: python -m scripts.adoptees spider."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""Run something in a process and a folder of its own, and look how it ends.
-
-What does not end in time is killed with all that it started.
-"""
+"""Run something in a process and a folder of its own, and end all of it in time."""
 
 from __future__ import annotations
 
@@ -70,10 +67,7 @@ class Bounds:
 
 
 def ending(act: Callable[[], int], folder: str | Path, seconds: float) -> Ending:
-    """How a process forked from this one ends, in so many seconds at most.
-
-    `act` is called in it, and returns its exit code.
-    """
+    """How a process that is forked and calls `act` ends, in so many seconds."""
     with tempfile.TemporaryFile() as printed, tempfile.TemporaryFile() as warned:
         files = printed, warned
         process = FORK.Process(target=_begun, args=(act, folder, files))

@@ -41,10 +41,7 @@ TEXTS: Mapping[str, str] = _FILE["texts"]
 
 @dataclass(frozen=True, kw_only=True)
 class Row:
-    """One fault: the command, how it must end, and what makes it.
-
-    The tables of `scripts/faults.toml` have these keys and explain them.
-    """
+    """One fault of `faults.toml`: the command, how it must end, and what makes it."""
 
     number: int
     fault: str

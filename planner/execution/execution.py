@@ -227,10 +227,7 @@ def nearest_signs(
 def _misses(
     system: StratifiedSystem, ways: list[list[Word]], starts: Array, goals: Array
 ) -> Array:
-    """Distances of words' ends from goals, (ways, segments); infinite if they escape.
-
-    Starts and goals have shape (segments, n).
-    """
+    """How far words end from goals, (ways, segments); infinite if they escape."""
     begin = np.tile(starts, (len(ways), 1))
     ends = word_ends(system, [*chain(*ways)], begin).reshape(len(ways), *goals.shape)
     return np.nan_to_num(system.length(ends - goals), nan=np.inf)

@@ -101,10 +101,7 @@ def renumbered(element: Element, generators: Sequence[Any]) -> Any:
 def fields_of(
     elements: Iterable[Element], generators: Sequence[VectorField], state: Symbols
 ) -> dict[Element, VectorField]:
-    """Elements as fields, and the generators, from the fields of the generators.
-
-    Elements within others come before them.
-    """
+    """Fields of elements and generators; elements within others come before them."""
     fields: dict[Element, VectorField] = dict(enumerate(generators, start=1))
     for element in elements:
         if isinstance(element, Bracket):

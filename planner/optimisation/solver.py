@@ -84,10 +84,7 @@ def casadi_function(
 
 
 class Ipopt:
-    """A nonlinear program that is solved repeatedly.
-
-    It has unknowns `x`, cost `f` and constraints `g` as CasADi's expressions.
-    """
+    """A nonlinear program in CasADi's `x`, `f` and `g` that is solved repeatedly."""
 
     def __init__(
         self, program: Mapping[str, Expression], options: dict[str, Any] | None = None

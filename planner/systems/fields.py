@@ -144,10 +144,7 @@ def central_difference(
 
 
 def lie_bracket(f: VectorField, g: VectorField, state: Symbols) -> VectorField:
-    """The Lie bracket of fields of either kind.
-
-    If one of them is numeric, so is the bracket: derivatives along one another.
-    """
+    """The Lie bracket of fields of either kind, numeric if one of them is."""
     if not (isinstance(f, NumericField) or isinstance(g, NumericField)):
         return _remembered(f, g, state)
     f, g = as_numeric(f, state), as_numeric(g, state)

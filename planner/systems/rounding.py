@@ -48,10 +48,7 @@ class WeighedValues:
         }
 
     def __call__(self, column: VectorField) -> Array:
-        """The values of a field or column of formulas, shape (points, rows).
-
-        They are not finite where the field is singular.
-        """
+        """Values of formulas, (points, rows); not finite where a field is singular."""
         if isinstance(column, NumericField):
             with np.errstate(all="ignore"):
                 values = np.array([column(x) for x in self.points])

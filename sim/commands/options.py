@@ -31,11 +31,7 @@ FAR = 5.0  # [m], 20 times the reach of shipped robots; others may mean millimet
 
 
 def scenario_of(options: argparse.Namespace) -> Scenario:
-    """The scenario that the command line asks for.
-
-    Raises:
-        UsageError: If it cannot be read, or an option contradicts `--set`.
-    """
+    """The scenario that the command line asks for; a UsageError if it cannot be."""
     from sim.scenarios.file import load_scenario, shipped_scenarios
 
     source = options.scenario

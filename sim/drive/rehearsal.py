@@ -71,10 +71,7 @@ def rehearsal_of(setup: Setup) -> Rehearsal | Foreseen | None:
 
 
 class Beforehand:
-    """What the commands of a drive depend on, stretch by stretch.
-
-    A stretch that needs more torque than a servo has is refused.
-    """
+    """What commands depend on, stretch by stretch; too much torque is refused."""
 
     def __init__(self, setup: Setup, drive: Drive) -> None:
         self._drive = drive

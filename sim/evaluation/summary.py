@@ -34,10 +34,7 @@ class Numbers(Mapping[str, Any]):
 
     @classmethod
     def read(cls, table: Mapping[str, Any]) -> Self:
-        """The values of a file's table, where older versions wrote fewer.
-
-        A key without a default that is missing is a KeyError.
-        """
+        """The values of a table, which may lack what has a default; else a KeyError."""
         items = fields(cls)  # type: ignore[arg-type]
         texts = (i.name for i in items if i.type == "str" and i.name in table)
         for name in (name for name in texts if not isinstance(table[name], str)):

@@ -109,10 +109,7 @@ class ServedWalk:
 
 
 def served(scenario: Scenario, rate: float = SERVO_RATE) -> ServedWalk:
-    """A served walk of a scenario, on a robot of which no imperfection is known.
-
-    Settings for plans of the whole path are refused.
-    """
+    """A served walk, planned in pieces, of a robot without known imperfections."""
     for key, allowed in IN_PIECES.items():
         if (value := getattr(scenario, key)) not in allowed:
             where = f"scenario {scenario.name!r}"

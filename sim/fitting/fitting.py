@@ -184,10 +184,7 @@ def _scanned(commanded: Commanded, rows: Array, measured: Array, start: Array) -
 
 
 def card_text(robot: Robot, fitted: Fitted, sources: Sequence[str]) -> str:
-    """The robot's card with settings that were fitted, in place of earlier ones.
-
-    What is beyond all that walks take is a UsageError.
-    """
+    """The robot's card with what was fitted; a UsageError if no walk takes that."""
     for key, (value, _) in fitted.items():
         try:
             read(value, SETTINGS[key].kind)

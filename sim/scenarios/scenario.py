@@ -54,10 +54,7 @@ class Scenario(Settings):
 
     @property
     def steered_on(self) -> str:
-        """Key of the prediction whose fields plans follow.
-
-        Plans that are aimed by the compliant prediction follow the ideal fields.
-        """
+        """Key of the prediction whose fields plans follow; of aimed ones, the ideal."""
         return prediction_key("ideal" if self.is_aimed else self.steer)
 
     @property

@@ -33,10 +33,7 @@ ALIKE = (*PACKAGES, "machine", "code")
 
 
 def digest(scenario: Scenario, without: Sequence[str]) -> str:
-    """Digest of everything that decides the numbers of a point, but for versions.
-
-    Names and descriptions of scenarios do not matter.
-    """
+    """Digest of all that decides a point's numbers, but for versions and names."""
     named = to_table(scenario).items()
     table = {key: value for key, value in named if key not in ("name", "description")}
     own = ((path, path.stat()) for path in _own_files(scenario))

@@ -224,10 +224,7 @@ class WorkerPool:
 
 @contextmanager
 def open_pool(workers: int, scheduler: str | None) -> Iterator[WorkerPool]:
-    """Workers for as long as the block runs.
-
-    They are processes on this machine, or those of the Dask scheduler at an address.
-    """
+    """Workers while the block runs, of this machine or of a scheduler's address."""
     for name in ("asyncio", "distributed", "distributed.client"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
     logging.getLogger("distributed").handlers[:] = [logging.NullHandler()]

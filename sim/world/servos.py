@@ -230,10 +230,7 @@ class Channels:
     model: mujoco.MjModel
 
     def ctrl(self, targets: Mapping[str, np.ndarray]) -> np.ndarray:
-        """Commands (T, nu) for angles of joints, by their names, (T,) each [rad].
-
-        Actuators of other joints keep the keyframe's value.
-        """
+        """Commands (T, nu) for angles (T,) of joints; others keep the keyframe's."""
         columns = {actuator_of(self.model, j): angle for j, angle in targets.items()}
         rows = np.tile(self.model.key("start").ctrl, (len([*columns.values()][0]), 1))
         rows[:, [*columns]] = np.stack([*columns.values()], axis=1)
