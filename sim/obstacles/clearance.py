@@ -179,7 +179,7 @@ class Surroundings:
         return shapely.union_all([obstacle.area for obstacle in self.obstacles])
 
     def postures(self, pose: Array, raised: Array) -> Array:
-        """Joint positions (T, nq) at poses (T, 3), groups raised by angles (G,) [rad]."""
+        """Joint positions (T, nq) at poses (T, 3), groups raised, (G,) [rad]."""
         angles = np.zeros((len(pose), len(raised)))
         return self.outline.configurations(pose, angles, angles + raised)
 

@@ -1,7 +1,5 @@
 """Who may speak to the viewer: real requests and websockets to a real server."""
 
-import asyncio
-import base64
 import random
 import signal
 import socket
@@ -13,12 +11,10 @@ from http.client import HTTPConnection
 from urllib.parse import urlsplit
 
 import pytest
-from websockets.asyncio.server import serve
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
-from sim.viewing import access
-from sim.viewing.access import Access, OwnSocket, _Heard
+from sim.viewing.access import Access, OwnSocket
 from tests.browser import chromium, watch
 from tests.sim.viewing.test_browser import shows_a_robot
 from tests.sim.viewing.test_netimgui import pasted, pointing, version
@@ -292,34 +288,3 @@ def test_the_inner_socket_is_for_this_process_alone():
             assert other.communicate(timeout=20)[0].strip() == b"b''"  # hung up on
             taken.sendall(b"x")
             assert own.recv(1) == b"x"
-
-
-def test_a_browser_that_reads_nothing_is_dropped_for_others_wait_for_it(monkeypatch):
-    """Two real ends of a websocket; the one that stalls has small buffers."""
-    monkeypatch.setattr(access, "UNREAD", 0.2)
-    ends = []
-
-    async def fill(connection):
-        try:
-            while True:
-                await _Heard(connection).send(bytes(2**16))
-        except ConnectionError as error:
-            ends.append(str(error))
-
-    async def stalled():
-        async with serve(fill, "127.0.0.1", 0) as server:
-            place = server.sockets[0].getsockname()
-            key = base64.b64encode(bytes(16)).decode()
-            head = ["GET / HTTP/1.1", f"Host: {place[0]}", "Upgrade: websocket"]
-            head += ["Connection: Upgrade", f"Sec-WebSocket-Key: {key}"]
-            reader, writer = await asyncio.open_connection(*place, limit=2**10)
-            lines = [*head, "Sec-WebSocket-Version: 13", "", ""]
-            writer.write("\r\n".join(lines).encode())
-            reader._transport.pause_reading()
-            async with asyncio.timeout(20):
-                while not ends:
-                    await asyncio.sleep(0.05)
-            writer.transport.abort()
-
-    asyncio.run(stalled())
-    assert ends == ["a browser reads nothing"]
