@@ -135,6 +135,8 @@ def _from_urdf(path: Path, text: str) -> str:
         raise refusal("bases", path)
     if bases[0] == "world":
         raise refusal("world", path)
+    if len(bases) > 1:
+        raise refusal("apart", path, one=bases[0], other=bases[1])
     if (own := robot.find("joint[@type='floating']")) is not None:
         raise refusal("floating", path, joint=own.get("name"))
     joints = Counter(joint.get("name") for joint in robot.iterfind("joint"))

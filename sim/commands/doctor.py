@@ -177,22 +177,24 @@ def _wanted() -> list[Requirement]:
     lines = [line for text in texts for line in text.splitlines() if "==" in line[:99]]
     if not texts:
         lines = distribution("stratawalk").requires or []
-    wanted = (Requirement(line.removesuffix("\\")) for line in lines)
+    wanted = (Requirement(line.removesuffix("\\")) for line in [*lines, "stratawalk"])
     here = {"extra": ""}
     return [one for one in wanted if one.marker is None or one.marker.evaluate(here)]
 
 
 def _changed(found: Distribution) -> Iterator[Path]:
     """Files of a package that are gone, or are not what their hashes say."""
-    listed = csv.reader((found.read_text("RECORD") or "").splitlines())
-    for name, sealed, *_ in listed:  # `found.files` leaves out what is gone
+    if not (record := found.read_text("RECORD")):
+        yield Path(f"the list of files of {found.name}")
+    rows = csv.reader((record or "").splitlines())  # `files` leaves out what is gone
+    for name, sealed, *_ in rows:
         kind, _, wanted = sealed.partition("=")
         if not wanted or name.startswith(".."):  # programs name their Python
             continue
         path = Path(str(found.locate_file(name)))
         try:
             digest = hashlib.new(kind, path.read_bytes()).digest()
-        except OSError:
+        except (OSError, ValueError):  # or no hash that is known
             digest = b""
         if urlsafe_b64encode(digest).rstrip(b"=") != wanted.encode():
             yield path

@@ -138,6 +138,13 @@ def test_a_base_that_floats_by_a_joint_of_its_own_is_refused_by_that(tmp_path):
         source_of(str(path))
 
 
+def test_two_links_without_a_parent_are_refused_by_their_names(tmp_path):
+    path = next(one for one in ADOPTEES if one.name == "box").write(tmp_path)
+    path.write_text(path.read_text().replace("</robot>", '<link name="lost"/></robot>'))
+    with pytest.raises(ModelError, match="links 'trunk' and 'lost' hang from no joint"):
+        source_of(str(path))
+
+
 def test_two_joints_of_one_name_are_refused_by_it(tmp_path):
     path = next(one for one in ADOPTEES if one.name == "box").write(tmp_path)
     first, second, *_ = re.findall('<joint name="([^"]*)"', text := path.read_text())

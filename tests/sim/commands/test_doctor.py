@@ -4,6 +4,7 @@ import json
 import tomllib
 from base64 import urlsafe_b64encode
 from hashlib import sha256
+from importlib.metadata import Distribution
 from pathlib import Path
 
 import pytest
@@ -133,6 +134,31 @@ def test_a_file_that_was_changed_after_its_installation_is_told(installed, damag
     ((wanted, what),) = packages.differences()
     assert wanted == "simple-thing==1.2"
     assert what == f"{installed / 'simple_thing.py'} is not as it was installed"
+
+
+def test_a_package_whose_files_nobody_listed_is_told(installed):
+    (installed / "simple_thing-1.2.dist-info" / "RECORD").unlink()
+    ((wanted, what),) = packages.differences()
+    assert wanted == "simple-thing==1.2"
+    assert what == "the list of files of simple-thing is not as it was installed"
+
+
+def test_a_hash_of_a_kind_that_nobody_knows_is_none(installed):
+    record = installed / "simple_thing-1.2.dist-info" / "RECORD"
+    record.write_text(record.read_text().replace("sha256=", "sha999="))
+    ((_, what),) = packages.differences()
+    assert what == f"{installed / 'simple_thing.py'} is not as it was installed"
+
+
+def test_files_of_the_package_itself_are_compared_too(installed, monkeypatch):
+    """Where it was installed as a copy, whatever the constraints name."""
+    own = Distribution.at(installed / "simple_thing-1.2.dist-info")
+    (installed / "simple_thing.py").write_text("x = 2\n")
+    monkeypatch.setattr(packages, "distribution", lambda name: own)
+    (installed / "constraints.txt").unlink()
+    monkeypatch.setattr(own.__class__, "requires", [])
+    ((wanted, _),) = packages.differences()
+    assert wanted == "stratawalk"
 
 
 def test_without_pins_the_requirements_of_the_package_count(tmp_path, monkeypatch):
