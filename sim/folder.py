@@ -26,10 +26,7 @@ from sim.errors import ExitCode, FilesError, UsageError, exit_code, telling
 
 @dataclass(frozen=True, slots=True)
 class RunFolder:
-    """The folder of one run; every file in it is complete.
-
-    Writing raises FilesError where the disk is full or the folder cannot be written.
-    """
+    """The folder of one run, its files complete; FilesError where none can be made."""
 
     path: Path
     parents: tuple[Path, ...] = ()  # that were made for it, the innermost first
@@ -126,10 +123,7 @@ def _write_array(file: IO[bytes], array: np.ndarray | Pieces) -> None:
 
 
 def claim(folder: Path | None, scenario: str) -> RunFolder:
-    """Make the folder of a run, or the next free `runs/SCENARIO-NNN`.
-
-    A folder that exists is a UsageError, one that cannot be written a FilesError.
-    """
+    """Make a run's folder, a UsageError if it exists, or the next free in `runs`."""
     wanted = folder or Path("runs", scenario)
     if "\\" in str(wanted.absolute()):
         raise UsageError.of("backslash", wanted.absolute())

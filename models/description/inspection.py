@@ -13,6 +13,7 @@ import re
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,6 +26,7 @@ from models.description.compiled import (
     check_quaternions,
     check_text,
     compile_model,
+    named,
     one_line,
     read_spec,
     refusal,
@@ -182,7 +184,9 @@ def _tried(path: Path) -> list[str]:
     return list(report["files"])
 
 
-HANDY = 5 * 10**8  # bytes of a compiled model and of its states
+HANDY = 2 * 10**8  # bytes of a compiled model, of which copies are made, and of states
+NAMING = 0.5  # seconds of the processor, a hundred times what robots take
+MOST_KEYS = 1000  # keyframes, of which each takes long to leave out among many
 STATES_KEPT = 1000  # of a walk that are kept at once
 TOO_LARGE = ("Could not allocate memory", "allocation failed", "unknown exception")
 """What MuJoCo says where memory ends."""
@@ -195,6 +199,8 @@ def examine(path: Path) -> list[Path]:
         if text.read_bytes()[:100].lstrip(b"\xef\xbb\xbf\r\n\t ").startswith(b"<"):
             check_text(text)
     model = compile_model(read_spec(path), str(path))
+    if model.nflex:
+        raise refusal("flexes", path, count=model.nflex)
     numbers = model.nsensordata + model.nuserdata + model.nq + model.nv
     size = mujoco.mj_sizeModel(model) + 8 * STATES_KEPT * numbers
     if size > HANDY:
@@ -207,11 +213,15 @@ def examine(path: Path) -> list[Path]:
             mujoco.mj_step(model, data)
     spec = read_spec(path)
     check_quaternions(spec, model, str(path))
-    named = assets(spec, model)  # compiling may drop some from a spec
-    for file in sorted(named):
+    files = assets(spec, model)  # compiling may drop some from a spec
+    for file in sorted(files):
         if not file.is_file():
             raise refusal("missing", path, file=file)
-    return sorted({path, *texts, *named})
+    began = time.process_time()
+    named(spec)  # as whoever reads it does, in a time that grows with the square
+    if model.nkey > MOST_KEYS or time.process_time() - began > NAMING:
+        raise refusal("many", path, most=NAMING, keys=MOST_KEYS)
+    return sorted({path, *texts, *files})
 
 
 def report(path: Path) -> dict[str, object]:

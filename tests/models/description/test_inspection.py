@@ -78,10 +78,6 @@ OUTSIDE = {
     "an include in an include": '<include file="inner.xml"/>',
     "an include spelt otherwise": '<include file="&#46;./out/more.xml"/>',
     "an attached model": '<asset><model name="a" file="../out/more.xml"/></asset>',
-    "a flexible mesh": (
-        '<worldbody><flexcomp name="f" type="mesh" file="../out/m.obj" dim="2"/>'
-        "</worldbody>"
-    ),
     "a height field": (
         '<asset><hfield name="h" file="../out/h.png" size="1 1 1 1"/></asset>'
     ),
@@ -235,7 +231,7 @@ def test_a_file_that_is_missing_is_named(robot):
 )
 def test_a_compiled_model_leaves_room_for_its_states(robot, alone, more, gigabytes):
     """Such a model compiles at once; its numbers have 8 bytes in each of the states."""
-    said = f"compiled it has, with 1000 states, {gigabytes} GB, and 0.5 GB are the most"
+    said = f"compiled it has, with 1000 states, {gigabytes} GB, and 0.2 GB are the most"
     with pytest.raises(ModelError, match=f"too large: .*; {said}"):
         load(str(robot(more)))
 
@@ -244,6 +240,26 @@ def test_numbers_are_looked_at_that_the_compiled_model_does_not_show(robot):
     unused = '<default class="unused"><geom friction="nan"/></default>'
     with pytest.raises(ModelError, match="friction of <geom> is 'nan'"):
         load(str(robot(f"<default>{unused}</default>")))
+
+
+def test_parts_that_take_long_to_name_or_to_leave_out_are_refused(
+    robot, alone, monkeypatch
+):
+    """MuJoCo compares a name with all others, and closes up after each that goes."""
+    keys = "<keyframe>" + "<key/>" * 1001 + "</keyframe>"
+    said = "too many parts: .* more than 1000 keyframes; name parts, or leave some out"
+    with pytest.raises(ModelError, match=said):
+        load(str(robot(keys)))
+    assert "files" in inspection.report(plain := robot(""))
+    monkeypatch.setattr(inspection, "NAMING", 0.0)
+    assert re.match(said, inspection.report(plain)["wrong"])
+
+
+def test_deformable_parts_are_refused(robot, alone):
+    cloth = """<worldbody><flexcomp name="cloth" type="grid" count="4 4 1" dim="2"
+      spacing=".03 .03 .03" pos="0.3 0 1" radius=".002" mass=".05"/></worldbody>"""
+    with pytest.raises(ModelError, match="it has deformable parts, 1 in all: "):
+        load(str(robot(cloth)))
 
 
 def test_a_model_that_takes_all_memory_is_large(monkeypatch, tmp_path):
