@@ -122,7 +122,7 @@ def _badly_standing(kinematics: Kinematics) -> Iterator[Problem]:
     mujoco.mju_rotVecQuat(up, np.array([0.0, 0.0, 1.0]), quat)
     tilt = float(np.arccos(np.clip(up[2], -1, 1)))
     if tilt > UPRIGHT:
-        down = "upside down" if tilt > np.pi / 2 else "tilted"
+        down = "upside down" if tilt > np.deg2rad(100) else "tilted"
         yield "tilted", {"down": down, "root": robot.root, "tilt": np.rad2deg(tilt)}
     for joint in robot.card.joints:
         (low, high), angle = robot.span(joint), robot.standing_angle(joint)

@@ -115,7 +115,7 @@ def _in_folder(folder: Path) -> Path:
 
 def _in_package(folder: Path, name: re.Match[str]) -> str:
     """A file of a ROS package, above or beside the URDF, as a path from its folder."""
-    for above in folder.resolve().parents[:PARENTS]:
+    for above in (folder.resolve(), *folder.resolve().parents[:PARENTS]):
         # a package is often kept in a folder of another name
         for found in (above.joinpath(*name.groups()), above / name[2]):
             if os.path.isfile(found):

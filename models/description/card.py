@@ -17,6 +17,8 @@ from planner.support import unknown
 
 # [s]; with slower lifts the slip at lift-off and touchdown no longer decreases
 LIFT_TIME = 0.3
+QUICKEST_LIFT = 0.001  # [s]
+MOST_STRATA = 1000  # of a gait
 CLOCKS = (20e6, 30e6)  # [Hz]; its data sheet's by a fifth more or less
 
 Twist = tuple[float, float, float]  # forward, left [m/rad], yaw [rad/rad]
@@ -157,6 +159,8 @@ class Card:
         for name in ("lift_angle", "lift_time"):
             if not 0 < (value := getattr(self, name)) < inf:
                 raise ValueError(f"{name} must be positive, got {value}")
+        if self.lift_time < QUICKEST_LIFT:
+            raise ValueError(f"lift_time must be {QUICKEST_LIFT} s or more")
         low, high = CLOCKS
         if not low <= self.board_clock <= high:
             facts = {"low": low, "high": high, "given": self.board_clock}
@@ -184,6 +188,8 @@ class Card:
                 raise ValueError(message("one_group", leg=leg, groups=groups))
 
     def _check_gait(self) -> None:
+        if len(self.gait) > MOST_STRATA:
+            raise ValueError(f"{len(self.gait)} strata; {MOST_STRATA} are the most")
         if len(self.gait) < 2 or self.gait[0] != self.gait[-1]:
             raise ValueError(message("open_gait", gait=list(self.gait)))
         for stratum in self.gait:

@@ -14,7 +14,7 @@ from planner.support import shipped_tables
 from sim.scenarios.scenario import Scenario
 from sim.world.floor import SOLVING, floor_pairs, scene
 from sim.world.motors import added_rotors, undamped_joints
-from sim.world.others import couplings, other_drives
+from sim.world.others import couplings, loose_joints, other_drives
 from sim.world.servos import delayed_servos, joints_without_servo, servo_settings
 
 MESSAGES: Mapping[str, str] = shipped_tables("sim.world", "changes.toml")
@@ -38,6 +38,7 @@ def changes(robot: Robot, scenario: Scenario) -> Iterator[str]:
         "wide": [foot.name for foot in feet if foot.margin or foot.gap],
         "lifted": [body.name for body in spec.bodies if body.gravcomp],
         "leaning": ["gravity"] if any(spec.option.gravity[:2]) else [],
+        "loose": loose_joints(robot),
         "pairs": sorted({p.geomname1 for p in pairs} | {p.geomname2 for p in pairs}),
     }
     for what, names in found.items():

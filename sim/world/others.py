@@ -38,15 +38,25 @@ def other_drives(robot: Robot) -> list[str]:
 
 
 def couplings(robot: Robot) -> list[int]:
-    """Equations that tie leg joints to others, also by tendons, or the robot down."""
-    model = copy(robot.model)
+    """Equations that tie leg joints, to one another or to the body, or the robot down.
+
+    Those that close a linkage within a leg, with joints that nothing drives, stay.
+    """
+    model, legs = copy(robot.model), robot.card.legs.values()
     model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
-    data, dofs = _at_start(model, robot)
+    data, driven = _at_start(model, robot)
     slopes = data.efc_J.reshape(-1, model.nv)[: data.nefc]  # room may be left behind
-    moved = np.abs(slopes[:, sorted(dofs)]) > MOVES
+    dofs = [[model.joint(j).dofadr[0] for j in (leg.swing, leg.lift)] for leg in legs]
+    first = model.body(robot.root).dofadr[0]
+    passive = [*{*range(model.nv)} - {*range(first, first + 6)} - driven]
+    moved = (np.abs(slopes[:, dofs]) > MOVES).any(axis=2)  # a column a leg
+    linked = (np.abs(slopes[:, passive]) > MOVES).any(axis=1)
     equal = data.efc_type == int(mujoco.mjtConstraint.mjCNSTR_EQUALITY)
-    numbers = np.unique(data.efc_id[equal & moved.any(axis=1)])
-    coupling = numbers[np.isin(model.eq_type[numbers], COUPLING)]
+    rows = [equal & (data.efc_id == number) for number in range(model.neq)]
+    count = np.array([moved[own].any(axis=0).sum() for own in rows], dtype=int)
+    alone = np.array([not linked[own].any() for own in rows], dtype=bool)
+    alone |= np.isin(model.eq_type, COUPLING)
+    coupling = (count > 1) | ((count > 0) & alone)
     sites = model.eq_objtype == int(mujoco.mjtObj.mjOBJ_SITE)
     placed = sites | (model.eq_objtype == int(mujoco.mjtObj.mjOBJ_BODY))
     ends = np.stack([model.eq_obj1id, model.eq_obj2id]) * placed
@@ -55,7 +65,19 @@ def couplings(robot: Robot) -> list[int]:
     weld = model.body_weldid[ends]
     fixed = (weld == 0) | (model.body_mocapid[weld] >= 0)
     held = own.any(axis=0) & fixed.any(axis=0) & (data.eq_active > 0)
-    return np.union1d(coupling, np.flatnonzero(held)).astype(int).tolist()
+    return np.flatnonzero(coupling | held).tolist()
+
+
+def loose_joints(robot: Robot) -> list[str]:
+    """Joints of other parts that nothing holds or slows, and no actuator moves."""
+    model, dofs = robot.model, robot.model.jnt_dofadr
+    held = (model.dof_damping[dofs] != 0) | (model.dof_frictionloss[dofs] != 0)
+    held |= model.jnt_stiffness != 0
+    on_joint = np.isin(model.actuator_trntype, ON_JOINT)
+    held[model.actuator_trnid[on_joint, 0]] = True
+    free = model.jnt_type == mujoco.mjtJoint.mjJNT_FREE
+    names = (model.joint(int(number)).name for number in np.flatnonzero(~held & ~free))
+    return [name for name in names if name not in robot.card.joints]
 
 
 def _at_start(model: mujoco.MjModel, robot: Robot) -> tuple[mujoco.MjData, set[int]]:

@@ -62,6 +62,8 @@ REFUSED = [
     (CARD, {"description": "two\nlines"}, "description must be one line of printable"),
     *((CARD, {"least_load": v}, "least_load is a share of the weight below 1/3, got ")
       for v in (-1e-9, THIRD)),
+    (CARD, {"lift_time": 0.99e-3}, "lift_time must be 0.001 s or more"),
+    (CARD, {"gait": ("ab", "a") * 500 + ("ab",)}, "1001 strata; 1000 are the most"),
     (CARD, {"gait": ("ab",)}, "gait ['ab'] does not close; it ends with the stratum"),
     (CARD, {"gait": ("ab", "a")}, "gait ['ab', 'a'] does not close"),
     (CARD, {"gait": ("ab", "c", "ab")}, "gait: stratum 'c' stands on group 'c', which"),

@@ -43,3 +43,47 @@ def test_what_moves_other_parts_alone_stays(edited, scenario):
     )  # fmt: skip
     assert prepare(scenario(), robot).model.nu == 14
     assert not list(changes(robot, scenario()))
+
+
+BETWEEN_LEGS = {
+    "a weld to the body": '<weld name="bar" body1="leg_1" body2="torso"/>',
+    "a weld": '<weld name="bar" body1="leg_1" body2="leg_2"/>',
+    "a hinge": '<connect name="bar" body1="leg_3" body2="leg_6" anchor="0 0 0"/>',
+}
+
+
+@pytest.mark.parametrize("kind", BETWEEN_LEGS)
+def test_what_ties_legs_together_no_longer_holds_and_is_told(kind, edited, scenario):
+    """And what holds a leg where it turns anyway stays."""
+    own = '<connect body1="leg_4" body2="torso" anchor="0 0 0"/>'
+    ties = f"<equality>{BETWEEN_LEGS[kind]}{own}</equality><sensor>"
+    robot = edited("<sensor>", ties)
+    assert prepare(scenario(), robot).model.eq_active0.tolist() == [0, 1]
+    (told,) = changes(robot, scenario())
+    assert "equations 'bar' couple leg joints" in told
+
+
+def test_what_closes_a_linkage_within_a_leg_stays(edited, scenario):
+    """A rod beside the leg, on a joint of its own that nothing drives."""
+    rod = """<body name="rod"><joint name="rod" axis="0 0 1" damping="0.1"/>
+      <geom size="0.001" mass="0.001" contype="0" conaffinity="0"/></body>"""
+    tie = '<connect name="bar" body1="leg_1" body2="rod" anchor="0.01 0 0"/>'
+    robot = edited(
+        "<freejoint", f"{rod}<freejoint", START, START.replace('0"', '0 0"'),
+        "<sensor>", f"<equality>{tie}</equality><sensor>",
+    )  # fmt: skip
+    assert prepare(scenario(), robot).model.eq_active0.tolist() == [1]
+    assert not list(changes(robot, scenario()))
+
+
+@pytest.mark.parametrize(
+    "held", ["", 'damping="0.1"', 'stiffness="1"', 'frictionloss="0.1"']
+)
+def test_a_part_that_nothing_holds_is_told(held, edited, scenario):
+    part = f"""<body name="box"><joint name="rail" type="slide" {held}/>
+      <geom size="0.01" mass="0.1" contype="0" conaffinity="0"/></body>"""
+    key = START.replace('0"', '0 0"')
+    robot = edited("<freejoint", f"{part}<freejoint", START, key)
+    told = list(changes(robot, scenario()))
+    assert len(told) == (held == "")
+    assert all("joints 'rail' are held by no servo, spring" in line for line in told)
