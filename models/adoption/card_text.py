@@ -41,10 +41,7 @@ class GaitDraft:
 def alternating(
     limbs: Sequence[Limb], pair: Sequence[Stand], reach: Reach | None = None
 ) -> GaitDraft:
-    """Two groups of legs that stand in turn, each turning the body about its pivot.
-
-    How far they can swing is found once they are turned.
-    """
+    """Two groups of legs that stand in turn, each turning the body about its pivot."""
     turns = np.zeros(len(limbs))
     lines, guesses, swings = [], [], []
     for name, stand in zip("12", pair, strict=True):

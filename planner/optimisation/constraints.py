@@ -262,10 +262,7 @@ def stage_function(
 def curve_function(
     path: Path, moved: list[int]
 ) -> tuple[Callable[[Expression], Expression], bool]:
-    """Some coordinates of a path as a function of s, and whether they are linear in it.
-
-    A spline stands for those that are not.
-    """
+    """Some coordinates of a path as functions of s: linear, or else splines; which."""
     ca, grid = solver(), np.linspace(0.0, 1.0, SPLINE_KNOTS)
     values = path.at(grid)[:, moved]
     begin, way = values[0], values[-1] - values[0]

@@ -180,10 +180,7 @@ class WindowSearch:
             self._report(window, SEARCHED + (1 - SEARCHED) * (number + 1) / self.hops)
 
     def fitted(self, window: Window, rungs: Sequence[Task]) -> list[Solution]:
-        """The best plans found, solved again for larger and larger tolerances.
-
-        What was found for a smaller one stands for all larger ones.
-        """
+        """The best plans found, solved again for larger and larger tolerances."""
         found = [self._best] if self._best else []
         for number, task in enumerate(rungs):
             programs = programs_of(task, self.path)

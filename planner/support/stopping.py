@@ -97,10 +97,7 @@ def best_so_far() -> str:
 def note_interruption(
     stop: KeyboardInterrupt, when_answered: Callable[[], object]
 ) -> None:
-    """Note an interruption that is about to be raised.
-
-    `when_answered` is called if a search answers it with its best result and goes on.
-    """
+    """Note an interruption; `when_answered` is called if a search answers it."""
     _noted[:] = [(stop, when_answered)]
 
 

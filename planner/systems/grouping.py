@@ -44,10 +44,7 @@ Links = dict[str, tuple[str, int, Arrangement]]
 
 @dataclass(frozen=True, eq=False)
 class Grouper:
-    """Finds the best arrangements of patterns, and caches them for later plans.
-
-    Flows along fields that commute may be interchanged.
-    """
+    """Finds the best arrangements of patterns, flows that commute interchanged."""
 
     system: StratifiedSystem
     commute: Commute

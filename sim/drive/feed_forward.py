@@ -69,10 +69,7 @@ def leg_actuators(setup: Setup) -> Array:
 
 
 def carried_torque(setup: Setup) -> float:
-    """Torque of the whole weight at the end of the longest leg [N m].
-
-    A leg is as long as its foot's way per radian of its swing.
-    """
+    """Torque of the whole weight at the end of the longest leg, as it swings [N m]."""
     rates = np.linalg.norm(setup.kinematics.standing.rates, axis=-1)
     reach = float((rates / np.abs(setup.robot.swing_gain)).max())
     return reach * setup.robot.weight_in(setup.model)

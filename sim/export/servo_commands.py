@@ -70,10 +70,7 @@ class ServoCommands:
 def taken(
     ctrl: Array, joints: tuple[str, ...], actuators: Array, rate: float, timestep: float
 ) -> ServoCommands:
-    """The commands that are given at a rate, out of one row of ctrl a physics step.
-
-    A rate higher than that of the physics is a UsageError.
-    """
+    """Commands at a rate, at most that of the physics, of one row of ctrl a step."""
     pace = rate * timestep
     if pace > 1 + SLACK:
         raise UsageError.of("too_fast", "--rate", rate=rate, most=1 / timestep)

@@ -62,10 +62,7 @@ def commanded(schedule: Schedule, rows: Array, kinematics: Kinematics) -> Comman
 
 
 class Predictor:
-    """Predicts the motion of one schedule at any steps.
-
-    Before the schedule's first step the robot is at `start_pose`, shape (3,).
-    """
+    """Predicts the motion of one schedule at any steps, from `start_pose`, (3,)."""
 
     def __init__(
         self,

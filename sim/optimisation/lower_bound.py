@@ -143,10 +143,7 @@ def _headings(curve: Curve, span: tuple[float, float], count: int | None) -> Arr
 def _visits(
     curve: Curve, span: tuple[float, float], alpha: Array, knots: Array, room: float
 ) -> tuple[Array, Array, Array]:
-    """Indices of alpha, and of knots a and b, between which headings are in a span.
-
-    The span is widened by a room on both sides.
-    """
+    """Indices of alpha and of knots a, b with headings in a span, widened by room."""
     heading = alpha[:, None] + curve.headings[knots]
     inside = (heading >= span[0] - room) & (heading <= span[1] + room)
     k, a, b = np.nonzero(inside[:, :, None] & inside[:, None, :])

@@ -119,10 +119,7 @@ def bridge(loaded: Array, shortest: int, before: Array | None = None) -> Array:
 
 
 def count_bounces(loaded: Array, contact: Array) -> Array:
-    """Each foot's interruptions that were closed and end before the last of some steps.
-
-    Flags have shape (n, F), the counts (F,).
-    """
+    """Each foot's interruptions closed, (F,), that end before the last of steps."""
     closed = contact & ~loaded
     return (closed[:-1] & ~closed[1:]).sum(axis=0)
 
