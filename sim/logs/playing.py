@@ -80,7 +80,7 @@ class Motion:
         return stability_margin(self.posture.feet[..., :2], self.contact, center)
 
     def schedule(self, begin: int, end: int, *, standing: bool = False) -> Played:
-        """Commands of physics steps from one to another; `standing`, of the first row."""
+        """Commands of steps from one to another, or of `standing` in the first row."""
         rest = LegState((0.0,) * len(self.robot.groups), self.robot.card.bottom)
         held = (self._phase("hold", self.low, begin, end, np.zeros(1)),)
         phases = held if standing else tuple(self._swings(begin, end))
