@@ -66,9 +66,10 @@ def together(logs: Sequence[Log]) -> Log:
         if names := ", ".join(np.array(COLUMNS)[most & ~own]):
             done.append(message("lacking", number=number, names=names))
         elif most.any():
-            rows = _finite(first.time, log.time, bodies[number - 1])
-            ends = log.time[np.isfinite(bodies[number - 1][:, most]).all(axis=1)][-1]
-            rows[first.time > ends + np.diff(first.time).max()] = np.nan
+            body = bodies[number - 1]
+            rows = _finite(first.time, log.time, body)
+            end = min(log.time[np.isfinite(column)][-1] for column in body.T[most])
+            rows[first.time > end + np.diff(first.time).max()] = np.nan
             kept.append(rows)
     if any(log.measured is not None or log.contact for log in others):
         done.append(message("first_alone"))

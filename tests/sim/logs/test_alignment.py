@@ -159,6 +159,16 @@ def test_a_mean_ends_where_the_first_trial_lost_the_body_and_that_is_told():
     assert seen.done[0].endswith("empty cells bridged, 20 in each; held after 1 s")
 
 
+def test_sensors_of_trials_may_take_turns():
+    """No row has both, as of a camera and a sensor of lean that are read in turn."""
+    even = (np.arange(len(TIME)) % 2 == 0)[:, None]
+    lean = np.where(even, np.nan, 0.1 * WAY[:, :2])
+    trial = replace(log(np.where(even, WAY, np.nan)), lean=lean)
+    mean = together([trial, trial])
+    np.testing.assert_allclose(mean.pose, WAY, atol=1e-3)
+    assert np.isfinite(mean.lean).all()
+
+
 def test_joints_and_contacts_of_later_trials_are_left_out_and_that_is_told():
     contact = {1: np.ones(len(TIME))}
     trials = [log(WAY), replace(log(WAY), contact=contact)]
