@@ -44,7 +44,7 @@ class Measured:
 def together(logs: Sequence[Log]) -> Log:
     """Trials of one motion as one log: commands of the first, the mean of the bodies'.
 
-    It ends where the first trial lost the body.
+    Each column of it ends where the first trial lost it.
 
     Raises:
         ValueError: They command other joints.
@@ -53,8 +53,8 @@ def together(logs: Sequence[Log]) -> Log:
     if not others:
         return first
     done, kept, bodies = list(first.done), list[Array](), [_body(log) for log in logs]
-    known = [np.isfinite(rows).any(axis=0) for rows in bodies]
-    most = max(known, key=np.count_nonzero)
+    known = np.stack([np.isfinite(rows).any(axis=0) for rows in bodies])
+    most = max(known, key=lambda own: (own[0], own.sum()))  # its place before all else
     for number, (log, own) in enumerate(zip(logs, known, strict=True), 1):
         if {*log.joints} != {*first.joints}:
             raise ValueError(f"trial {number} commands other joints than the first")
@@ -66,11 +66,7 @@ def together(logs: Sequence[Log]) -> Log:
         if names := ", ".join(np.array(COLUMNS)[most & ~own]):
             done.append(message("lacking", number=number, names=names))
         elif most.any():
-            body = bodies[number - 1]
-            rows = _finite(first.time, log.time, body)
-            end = min(log.time[np.isfinite(column)][-1] for column in body.T[most])
-            rows[first.time > end + np.diff(first.time).max()] = np.nan
-            kept.append(rows)
+            kept.append(_finite(first.time, log.time, bodies[number - 1], held=False))
     if any(log.measured is not None or log.contact for log in others):
         done.append(message("first_alone"))
     if not kept:
@@ -159,11 +155,16 @@ def _gaps(log: Log) -> Iterator[str]:
         yield "; held ".join([words, *[" and ".join(held)] * bool(held)])
 
 
-def _finite(time: Array, when: Array, rows: Array) -> Array:
-    """Rows at other times, evenly across gaps; columns without numbers stay so."""
+def _finite(time: Array, when: Array, rows: Array, held: bool = True) -> Array:
+    """Rows at other times, evenly across gaps; columns without numbers stay so.
+
+    The last number of a column is held, or there is none a step after it.
+    """
     found = np.full((len(time), rows.shape[1]), np.nan)
     for number, column in enumerate(rows.T):
         if (there := np.isfinite(column)).any():
             known = np.unwrap(column[there]) if number == 2 else column[there]
             found[:, number] = np.interp(time, when[there], known)
+            end = np.inf if held else when[there][-1] + np.diff(time).max()
+            found[time > end, number] = np.nan
     return found

@@ -159,6 +159,26 @@ def test_a_mean_ends_where_the_first_trial_lost_the_body_and_that_is_told():
     assert seen.done[0].endswith("empty cells bridged, 20 in each; held after 1 s")
 
 
+def test_a_place_counts_more_than_angles_however_many():
+    """Of a trial with a gyroscope and one with a camera that saw no heading."""
+    flat, lean = log(WAY * [1, 1, np.nan]), WAY[:, :2]
+    turning = replace(log(WAY * [np.nan, np.nan, 1]), lean=lean)
+    for trials in ([flat, turning], [turning, flat]):
+        mean = together(trials)
+        np.testing.assert_allclose(mean.pose[:, :2], WAY[:, :2], atol=1e-12)
+        assert any(
+            "has no body.x, body.y, and is left out" in word for word in mean.done
+        )
+
+
+def test_a_column_that_one_trial_loses_leaves_the_others_as_they_are():
+    lost = WAY.copy()
+    lost[20:, 2] = np.nan
+    mean = together([log(WAY), log(lost)])
+    np.testing.assert_allclose(mean.pose[:, :2], WAY[:, :2], atol=1e-12)
+    assert not np.isfinite(mean.pose[21:, 2]).any()
+
+
 def test_sensors_of_trials_may_take_turns():
     """No row has both, as of a camera and a sensor of lean that are read in turn."""
     even = (np.arange(len(TIME)) % 2 == 0)[:, None]
