@@ -184,7 +184,7 @@ def _tried(path: Path) -> list[str]:
     return list(report["files"])
 
 
-HANDY = 2 * 10**8  # bytes of a compiled model, of which copies are made, and of states
+HANDY = 35 * 10**7  # bytes of a compiled model, of which copies are made, and of states
 NAMING = 0.5  # seconds of the processor, a hundred times what robots take
 MOST_KEYS = 1000  # keyframes, of which each takes long to leave out among many
 STATES_KEPT = 1000  # of a walk that are kept at once
