@@ -231,7 +231,7 @@ def test_a_file_that_is_missing_is_named(robot):
 )
 def test_a_compiled_model_leaves_room_for_its_states(robot, alone, more, gigabytes):
     """Such a model compiles at once; its numbers have 8 bytes in each of the states."""
-    said = f"compiled it has, with 1000 states, {gigabytes} GB, and 0.35 GB are the most"
+    said = f"compiled it has, with 1000 states, {gigabytes} GB, and 0.35 GB are the"
     with pytest.raises(ModelError, match=f"too large: .*; {said}"):
         load(str(robot(more)))
 
