@@ -30,7 +30,7 @@ from sim.preparation.setup import Setup
 from sim.progress import Progress, silent, stage
 from sim.runs.arrays import Arrays
 from sim.runs.run import START, Run
-from sim.scenarios.file import dumps
+from sim.scenarios.file import dumps, settings_digest
 from sim.scenarios.predictions import PREDICTIONS
 from sim.scenarios.scenario import Scenario
 from sim.simulation import Prepared, Simulation, simulate
@@ -86,7 +86,7 @@ class Writer:
         run = run_of(evaluation, summary, self.settings, self.folder.path)
         self.folder.write_arrays("trajectory.npz", run.arrays.items())
         self.folder.write_text("flows.csv", flows.written(run.phases))
-        self.folder.write_json("summary.json", summary.to_json())
+        self.folder.write_json("summary.json", run.summary.to_json())
         if followed := evaluation.walk.followed:
             self.folder.write_text("feedback.csv", feedback_table(followed.stops))
             if learnt := followed.learnt:
@@ -246,6 +246,7 @@ def run_of(
 ) -> Run:
     """The run of a walk and its evaluation; `settings` is the text of scenario.toml."""
     walk, setup = evaluation.walk, evaluation.walk.setup
+    table = parse_toml(dumps(setup.scenario) if settings is None else settings)
 
     def commands(name: str) -> Array:
         clock = np.arange(walk.steps) * setup.limits.timestep
@@ -253,9 +254,9 @@ def run_of(
 
     return Run(
         folder=Path() if folder is None else folder.resolve(),
-        settings=parse_toml(dumps(setup.scenario) if settings is None else settings),
+        settings=table,
         card_text=setup.robot.card_text,
-        summary=summary,
+        summary=replace(summary, settings=settings_digest(table)),
         phases=carried_out(walk),
         arrays=trajectory(evaluation),
         commands=Arrays(("time", "ctrl"), commands),

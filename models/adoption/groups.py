@@ -98,7 +98,8 @@ def posed(
         if not first or not second:
             continue
         worth = _worth(first, second)
-        for place in np.argsort(-worth, axis=None)[:MOST_PAIRS]:
+        order = np.argsort(-(worth / worth.max()).round(9), axis=None, kind="stable")
+        for place in order[:MOST_PAIRS]:  # of equals the first, on every processor
             i, j = np.unravel_index(place, worth.shape)
             found = first[i], second[j]
             moved = sides[0].in_step(found[0]), sides[1].in_step(found[1])
@@ -164,7 +165,10 @@ class _Legs(NamedTuple):
         near = (np.abs(choices - stand.gains) < MOST_CHANGE) & (choices > 0)
         if not (fits := near.all(axis=1)).any():
             return stand
-        wanted, lead = choices[fits.argmax(), :, None], int(stand.gains.argmax())
+        wanted, lead = (
+            choices[fits.argmax(), :, None],
+            int(stand.gains.round(9).argmax()),
+        )
         pivot, lengths = stand.pivot, np.linalg.norm(self.arms, axis=1)[:, None]
         for _ in range(NEWTON_STEPS):  # on ratio - wanted * ratio of the leading leg
             away = self.hips - pivot

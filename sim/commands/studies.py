@@ -117,6 +117,8 @@ def study(options: argparse.Namespace) -> None:
     paged = out.suffix in cli.PAGES
     if out.suffix[1:].isalpha() and not paged and not out.is_dir():
         raise UsageError("neither folder nor page", str(out), "end it with .html")
+    if options.out is None and out.is_symlink():
+        raise UsageError.of("link", out, remedy="give --out")
     asked = prediction_key(options.prediction) if options.prediction else ""
     results = read_results(given, asked)
     folder = new_file(out, "page", *cli.PAGES).parent if paged else ensure_folder(out)

@@ -33,7 +33,7 @@ from sim.feedback.stops import Stop, read as read_stops
 from sim.motion.poses import compose, rotate, wrap
 from sim.runs.arrays import archive, plain_json, reading
 from sim.scenarios import body_path, obstacles
-from sim.scenarios.file import anchor, scenario_from
+from sim.scenarios.file import anchor, scenario_from, settings_digest
 from sim.scenarios.predictions import PREDICTIONS, best
 from sim.scenarios.scenario import Scenario
 
@@ -41,7 +41,6 @@ SURE = 2.146  # standard deviations of a normal point in the plane that hold 90 
 NOMINAL_POINTS = 400  # of the nominal path as it is drawn
 PLACES = ("contact_point", "center_of_mass")  # arrays of points that are not poses
 SAME = 1e-6  # [s] or [m]; by how far files of one walk may end apart
-TOLD = ("fields", "replan", "steer", "optimise", "correct", "swing_speed", "timestep")
 START = "world_start_pose"  # array with the frame in which poses are given
 
 
@@ -290,11 +289,10 @@ def _require_one_walk(run: Run) -> None:
     if achieved.slip_swing is not None:
         swings = (phase.slip for phase in walked if phase.kind == "swing")
         slips.append(achieved.slip_swing - sum(swings))
-    told = {name: getattr(run.summary, name) for name in TOLD}
-    unlike = any(run.settings.get(name, own) != own for name, own in told.items())
+    unlike = run.summary.settings not in (None, settings_digest(run.settings))
     beside = () if goal is None else run.nominal[-1] - goal
     off = np.abs([*ends, *slips, *(run.achieved[-1] - achieved.pose), *beside]).max()
     if unlike or off > SAME or run.segments > max(run.summary.segments, 1):
-        raise ValueError("its files are of different walks")
+        raise ValueError("its files are of different walks, or were changed")
     if run.summary.weighed and run.summary.weighed.prediction not in [*run.predicted]:
         raise ValueError(f"unknown prediction {run.summary.weighed.prediction!r}")

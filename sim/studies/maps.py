@@ -29,7 +29,7 @@ from sim.reports.tables import Table
 from sim.scenarios.file import scenario_table, shipped_scenarios, toml_value
 from sim.scenarios.settings import FORMER, SETTINGS
 from sim.studies.results import LIMITS, NO_WALK, SEPARATE, Findings, Results
-from sim.sweeps.folder import run_folder
+from sim.sweeps.folder import point_in, run_folder
 from sim.templates import render
 
 if TYPE_CHECKING:
@@ -117,7 +117,8 @@ def _points(results: Results, points: Sequence[int], folder: Path, base: str) ->
         number = int(results.column("point")[i])
         settings = {key: _given(results.columns[key][i]) for key in results.keys}
         own = run_folder(number)
-        if (folder / own / "report.html").exists():
+        there = (folder / own / "report.html").exists()
+        if there and point_in(folder / own).get("varied") == settings:
             href = f"{url(base)}/{own}/report.html"
             link = Markup('<a href="{}">report</a>').format(href)
         else:

@@ -51,12 +51,12 @@ class Sweep:
     filmed: bool = False  # whether these folders get films
 
     def __post_init__(self) -> None:
-        if len(self) > MOST_POINTS:
-            facts = {"count": len(self), "most": MOST_POINTS}
+        if (count := _count(self.blocks)) > MOST_POINTS:
+            facts = {"count": count, "most": MOST_POINTS}
             raise UsageError.of("points", f"sweep {self.name!r}", **facts)
 
     def __len__(self) -> int:
-        return math.prod(len(choices) for _, choices in self.blocks)
+        return _count(self.blocks)
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -91,10 +91,13 @@ def read_sweep(source: str) -> Sweep:
     times = Counter([*fixed, *(key for keys, _ in blocks for key in keys)])
     for key in (key for key, count in times.items() if count > 1):
         raise UsageError(f"{key} is given twice", source, "keep it in one table")
-    count = math.prod(len(choices) for _, choices in blocks)
-    keep = _run_folders(_inner(table, "keep"), count)
+    keep = _run_folders(_inner(table, "keep"), _count(blocks))
     without = left_out(table.get("without", []))
     return Sweep(path.stem, scenario, fixed, blocks, without, *keep)
+
+
+def _count(blocks: Sequence[Block]) -> int:
+    return math.prod(len(choices) for _, choices in blocks)
 
 
 def shipped_studies() -> tuple[str, ...]:

@@ -12,7 +12,7 @@ import os
 import re
 import socket
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -28,12 +28,20 @@ from sim.sweeps.ledger import ALIKE, differences, software
 UNREADABLE = (ValueError, KeyError, TypeError, AttributeError, RecursionError)
 SIDE_BY_SIDE = " with "  # between keys that vary together
 WALKED = re.compile(r"table-(\d+)-of-(\d+)\.parquet")  # all of a shard
+POINT = "point.json"  # in a run folder of a sweep: which of its points that is
 OWN = re.compile(r"sweep(-\d+-of-\d+)?\.(json|lock|owner)")  # files of any shard
 
 
 def run_folder(point: int) -> str:
     """Where in a sweep's folder the run of a point is, if it was to be kept."""
     return f"runs/point-{point:05d}"
+
+
+def point_in(run: Path) -> dict[str, Any]:
+    """Which point of a sweep a run folder holds, by digest and what varies; or {}."""
+    with suppress(OSError, *UNREADABLE):
+        return {} | json.loads(read_file(run / POINT))
+    return {}
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,7 +20,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from models import ModelError, load
-from planner.support import open_file
+from planner.support import open_file, read_file
 from sim.errors import UsageError, is_text, printable, telling
 from sim.scenarios.file import to_table
 from sim.scenarios.scenario import Scenario
@@ -36,10 +36,15 @@ def digest(scenario: Scenario, without: Sequence[str]) -> str:
     """Digest of all that decides a point's numbers, but for versions and names."""
     named = to_table(scenario).items()
     table = {key: value for key, value in named if key not in ("name", "description")}
-    own = ((path, path.stat()) for path in _own_files(scenario))
-    used = [(str(path), _digest(path, at.st_mtime_ns, at.st_size)) for path, at in own]
-    content = json.dumps([table, sorted(without), used], sort_keys=True, default=str)
+    about = table, sorted(without), files_of(scenario)
+    content = json.dumps(about, sort_keys=True, default=str)
     return hashlib.sha256(content.encode()).hexdigest()[:32]
+
+
+def files_of(scenario: Scenario) -> tuple[tuple[str, str], ...]:
+    """Files of a user's own robot and motion, each with its digest."""
+    own = ((path, path.stat()) for path in _own_files(scenario))
+    return tuple((str(p), _digest(p, at.st_mtime_ns, at.st_size)) for p, at in own)
 
 
 def software() -> dict[str, str]:
@@ -97,13 +102,14 @@ def _opened(robot: str, changed: int) -> frozenset[Path]:
 
 @cache
 def _digest(path: Path, changed: int, size: int) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()
+    return hashlib.sha256(read_file(path, LARGEST_FILE)).hexdigest()
 
 
 OK = "ok"
 SEAL = b'{"seal": "%b", '
 LENGTH = len(SEAL % bytes(16))
 LONGEST_LINE = 10**6  # bytes of a line
+LARGEST_FILE = 10**9  # bytes of a file of a robot or motion
 INT64 = 2**63  # beyond the numbers that a table takes
 
 
@@ -204,7 +210,8 @@ def _lines(path: Path) -> Iterator[bytes]:
     """Lines of a ledger, if there is one; one that is too long comes in parts."""
     with suppress(FileNotFoundError), open_file(path) as file:
         for line in iter(lambda: file.readline(LONGEST_LINE), b""):
-            if line.endswith(b"\n") or len(line) == LONGEST_LINE:
+            ours = SEAL.startswith(line[: SEAL.index(b"%")])
+            if line.endswith(b"\n") or len(line) == LONGEST_LINE or not ours:
                 yield line
 
 

@@ -5,6 +5,7 @@ Shards of one sweep are merged into the table that a single process would have w
 
 from __future__ import annotations
 
+import json
 import shutil
 from collections import Counter
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
@@ -22,11 +23,13 @@ from sim.run_folder import run
 from sim.scenarios.file import scenario_from, to_table
 from sim.sweeps.file import Sweep
 from sim.sweeps.folder import (
+    POINT,
     About,
     Shard,
     SweepFolder,
     abouts,
     missing_shard,
+    point_in,
     run_folder,
     sole_owner,
 )
@@ -165,22 +168,28 @@ def carry_on(
 def write_run_folders(points: Points, folder: SweepFolder) -> list[str]:
     """Walk the chosen points once more, each into a run folder of its own.
 
-    Complete folders are left alone. The result says what went wrong with which point.
+    Those that are complete, and of what the point is now, are left alone. The result
+    says what went wrong with which point.
     """
     own, wrong = RunFolder(folder.path), []
     if (runs := (own.path / run_folder(0)).parent).is_symlink():
-        raise UsageError("is a link, which may lead anywhere", str(runs), "remove it")
+        raise UsageError.of("link", runs, remedy="remove it")
     walked, filmed = (None, "summary.json"), ("draft", "video.mp4")
     look, last = filmed if points.sweep.filmed else walked
     with sole_owner(folder.lock):
         for point in points.sweep.run_folders:
-            name = run_folder(point)
-            if point not in points.tables or (own.path / name / last).exists():
+            at = own.path / run_folder(point)
+            if point not in points.tables:
                 continue
-            shutil.rmtree(own.path / name, ignore_errors=True)
+            now = {"of": points.digests[point], "varied": points.sweep.varied(point)}
+            if (at / last).exists() and point_in(at) == json.loads(json.dumps(now)):
+                continue
+            shutil.rmtree(at, ignore_errors=True)
             scenario = scenario_from(points.tables[point], {}, f"point {point}")
             try:
-                run(scenario, own.inner(name), look=look, without=points.sweep.without)
+                inner = own.inner(run_folder(point))
+                run(scenario, inner, look=look, without=points.sweep.without)
+                inner.write_json(POINT, now)
             except FilesError:
                 raise
             except Exception as error:  # its reason stands in the table as well

@@ -20,6 +20,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any
 
 from sim.errors import SweepError, UsageError, one_line
@@ -27,7 +28,15 @@ from sim.interruption import deaf
 from sim.preparation.shared import Shared
 from sim.scenarios.file import scenario_from
 from sim.simulation import simulate
-from sim.sweeps.ledger import OK, Outcome, alike, differences, software
+from sim.sweeps.ledger import (
+    OK,
+    Outcome,
+    alike,
+    differences,
+    digest,
+    files_of,
+    software,
+)
 
 try:
     import dask
@@ -54,8 +63,6 @@ QUIET = {
 }
 GONE = (KilledWorker, NoValidWorkerError, NoWorkerError)
 """What Dask says of work whose worker is no more."""
-SHARED = Shared()
-"""What this process keeps from point to point."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,12 +75,20 @@ class Task:
 
     def carry_out(self) -> Outcome:
         """Walk the point; whatever goes wrong with it becomes its status."""
+        code, left_out = self.digest, self.without
         try:
             scenario = scenario_from(self.table, {}, "the sweep")
-            summary = simulate(scenario, without=self.without, shared=SHARED).summary
+            shared, code = _shared(files_of(scenario)), digest(scenario, left_out)
+            summary = simulate(scenario, without=left_out, shared=shared).summary
         except Exception as error:  # any failure of a point is one of its results
-            return Outcome(self.digest, one_line(error), software=software())
-        return Outcome(self.digest, OK, dict(numbers(summary)), software())
+            return Outcome(code, one_line(error), software=software())
+        return Outcome(code, OK, dict(numbers(summary)), software())
+
+
+@lru_cache(maxsize=8)
+def _shared(files: tuple[tuple[str, str], ...]) -> Shared:
+    """What this process keeps from point to point, while its files are these."""
+    return Shared()
 
 
 def numbers(summary: object, name: str = "") -> Iterator[tuple[str, object]]:
@@ -193,6 +208,8 @@ class WorkerPool:
     def _settle(self, future: Future) -> tuple[Task, Outcome | None]:
         task, worker = self.running.pop(future)
         if future.status == "finished" and (found := self._fetched(worker, future)):
+            if found.digest != task.digest:
+                raise SweepError.of("other_files", worker)
             return task, found
         if future.status in ("cancelled", "lost") and self.client.status != "running":
             raise CancelledError

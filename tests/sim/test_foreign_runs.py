@@ -56,6 +56,35 @@ def test_a_scenario_of_another_walk_is_refused(folder, capsys, own, others):
     assert "its files are of different walks" in capsys.readouterr().err
 
 
+@pytest.mark.physics
+@pytest.mark.parametrize(
+    ("own", "others"),
+    [
+        ('robot = "hexapod"', 'robot = "quadruped"'),
+        ("friction = 1.0", "friction = 0.5"),
+    ],
+)
+def test_settings_that_were_not_walked_with_are_refused(folder, capsys, own, others):
+    """Sensitivities would be those of a friction that the walk did not have."""
+    text = (folder / "scenario.toml").read_text()
+    assert own in text
+    (folder / "scenario.toml").write_text(text.replace(own, others))
+    for words in (["show", "--no-browser"], ["sensitivities"], ["fit"]):
+        assert main([words[0], str(folder), *words[1:]]) == 2
+        assert "of different walks, or were changed" in capsys.readouterr().err
+
+
+@pytest.mark.physics
+def test_what_decides_no_walk_may_be_changed_in_a_runs_settings(folder):
+    text = (folder / "scenario.toml").read_text()
+    free = ('name = "short"', 'name = "mine"'), ("plan_time = 3", "plan_time = 4")
+    for own, others in free:
+        assert own in text
+        text = text.replace(own, others)
+    (folder / "scenario.toml").write_text(text)
+    assert read_run(folder).settings["name"] == "mine"
+
+
 @pytest.mark.parametrize("name", ["trajectory.npz", "model.xml", "robot.xml"])
 def test_files_that_may_not_be_read_are_named_with_that_reason(folder, hexapod, name):
     """Asked as one to whom permissions apply, whoever runs the tests."""

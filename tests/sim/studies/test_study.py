@@ -79,18 +79,32 @@ def test_findings_and_maps_are_printed_and_drawn(folder, capsys):
             assert len(picture.convert("RGB").getcolors(1 << 20)) > 6
 
 
+def test_maps_are_drawn_behind_no_link_that_nobody_named(folder, tmp_path, capsys):
+    """A stranger's folder, whose `maps` leads to one's own pictures."""
+    home = tmp_path / "home"
+    home.mkdir()
+    (folder / "maps").symlink_to(home)
+    assert main(["study", str(folder)]) == 2
+    assert "is a link, which may lead anywhere: " in capsys.readouterr().err
+    assert not [*home.iterdir()]
+    assert main(["study", str(folder), "--out", str(folder / "maps")]) == 0
+
+
 def test_the_page_fits_its_classes_and_links_the_worst_and_the_best(
     folder, tmp_path, monkeypatch
 ):
     monkeypatch.setattr(maps, "EXTREMES", 1)
     kept = folder / "runs" / "point-00004"
-    kept.mkdir(parents=True)
-    (kept / "report.html").touch()
+    varied = {"friction": 0.2 * 5, "play": 0.0, "draw": 0}
+    for run, known in ((kept, varied), (folder / "runs" / "point-00000", {"play": 1})):
+        run.mkdir(parents=True)
+        (run / "report.html").touch()
+        (run / "point.json").write_text(json.dumps({"of": "", "varied": known}))
     out = tmp_path / "pages" / "study.html"
     assert main(["study", str(folder), "--out", str(out), "--json"]) == 0
     page = out.read_text()
     assert page.count("<svg") == 3
-    link = re.search('<a href="([^"]*)">report</a>', page)[1]
+    (link,) = re.findall('<a href="([^"]*)">report</a>', page)  # the other is not it
     assert (out.parent / link).resolve() == kept / "report.html"
     assert "<code>stratawalk run line</code> <code>--set " in page  # breaks between
     assert page.index("The worst walks") < page.rindex("500 %") < page.index("The best")

@@ -1,6 +1,13 @@
 """A point is its settings and everything that its robot is made of."""
 
+import os
+
+import pytest
+
+from sim.scenarios.body_path import line
+from sim.scenarios.file import to_table
 from sim.sweeps.ledger import digest
+from sim.sweeps.worker_pool import Task
 
 
 def test_a_point_is_another_one_if_a_file_that_its_model_includes_changes(
@@ -27,3 +34,27 @@ def test_a_point_is_another_one_if_the_motion_that_it_plays_changes(scenario, tm
     before = digest(point, ())
     log.write_text("time,swing_1\n0,0\n1,0.11\n")
     assert digest(point, ()) != before
+
+
+def test_a_lasting_worker_walks_the_robot_as_its_file_is_now(edited, scenario):
+    """And says what it has walked, so that nothing stands under another robot."""
+    robot = edited()
+    point = scenario(robot=str(robot.path), segments=1, path=line((0.005, 0, 0)))
+    left_out = ("identified", "compliant", "creep_floor")
+    task = Task(digest(point, left_out), to_table(point), left_out)
+    before, again = task.carry_out(), task.carry_out()
+    assert before == again
+    text = robot.path.read_text()
+    robot.path.write_text(text.replace('type="box" mass="1"', 'type="box" mass="3"'))
+    heavy = task.carry_out()
+    assert heavy.digest == digest(point, left_out) != before.digest == task.digest
+    assert heavy.status == "ok"
+    assert heavy.numbers != before.numbers
+
+
+def test_no_file_is_read_into_memory_whatever_its_size(scenario, tmp_path):
+    log = tmp_path / "log.csv"
+    log.touch()
+    os.truncate(log, 3 * 10**9)
+    with pytest.raises(OSError, match="larger than 1000 MB"):
+        digest(scenario(motion=str(log)), ())

@@ -37,7 +37,7 @@ def test_nothing_is_merged_where_a_sweep_is_being_walked(swept, capsys):
     """Whoever cuts a torn line off takes the one that is just being written."""
     _, folder = swept
     ledger = folder / "ledger.jsonl"
-    ledger.write_bytes(written := ledger.read_bytes() + b"half of a line")
+    ledger.write_bytes(written := ledger.read_bytes() + b'{"seal": "half')
     with sole_owner(folder / "sweep.lock"):
         assert main(["merge", str(folder)]) == 6
     (line,) = told(capsys.readouterr().err)

@@ -37,7 +37,22 @@ def walked(tmp_path, monkeypatch):
 
 
 def test_a_complete_folder_is_left_alone(walked):
+    assert walked("false") == ["point-00000"]
     assert walked("false", "summary.json") == []
+
+
+def test_a_folder_of_what_the_point_was_before_is_walked_anew(walked, tmp_path):
+    """Its keys have changed places in the file, or its robot was edited."""
+    known = tmp_path / "out" / "runs" / "point-00000" / "point.json"
+    assert walked("false") == ["point-00000"]
+    assert walked("false", "summary.json") == []
+    known.write_text(known.read_text().replace('"of": "', '"of": "0'))
+    assert walked("false", "summary.json") == ["point-00000"]
+    for damaged in ("[]", "{", ""):
+        known.write_text(damaged)
+        assert walked("false", "summary.json") == ["point-00000"]
+    known.unlink()
+    assert walked("false", "summary.json") == ["point-00000"]
 
 
 def test_a_walk_whose_film_is_missing_is_not_complete(walked):

@@ -53,6 +53,6 @@ def test_tables_have_forty_million_values_of_half_a_gigabyte_at_most(
 
 def test_lines_of_a_ledger_come_in_parts_of_a_million_bytes(tmp_path):
     path = tmp_path / "ledger.jsonl"
-    path.write_bytes(b"x" * 999_999 + b"\n" + b"y" * 1_000_001 + b"\n" + b"cut short")
+    path.write_bytes(b"x" * 999_999 + b"\n" + b"y" * 1_000_001 + b'\n{"seal": "cut')
     sizes = [len(line) for line in _lines(path)]
     assert sizes == [1_000_000, 1_000_000, 2]

@@ -8,7 +8,8 @@ import pytest
 from distributed import KilledWorker
 from distributed.scheduler import NoWorkerError
 
-from sim.errors import UsageError
+from sim.errors import SweepError, UsageError
+from sim.sweeps.ledger import Outcome
 from sim.sweeps.worker_pool import Task, WorkerPool
 
 TRIES = 2  # of a point whose worker dies
@@ -73,6 +74,13 @@ def test_a_point_whose_worker_dies_is_tried_twice_and_one_that_fails_once():
     for client in ("running", "closed"):
         failed, died = settled(_Answer("error", WRONG), client)
         assert (failed.digest, failed.status, died) == ("digest", SAID, 0)
+
+
+def test_a_worker_with_other_files_of_the_robot_ends_the_sweep(monkeypatch):
+    walked = Outcome("other", "ok")
+    monkeypatch.setattr(WorkerPool, "_fetched", lambda *_: walked)
+    with pytest.raises(SweepError, match="files are not those that the sweep began"):
+        settled(_Answer("finished"))
 
 
 @pytest.mark.parametrize("status", ["cancelled", "lost"])
