@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy import nan
 
 from planner import Array
 from sim.compliant.prediction import CompliantPrediction
@@ -136,14 +135,9 @@ def real_robot(walk: Walk, real: Measured | None) -> Real | None:
     simulated = dict(zip(("roll", "pitch"), (lean - lean[0]).T, strict=True))
     if log.measured is not None:
         angles = turned(model, moments.qpos[on], log.joints, BACKLASH)
-        apart = np.array(
-            [
-                angle - np.interp(time[on], log.time[there], column[there], nan, nan)
-                for angle, column in zip(angles.T, log.measured.T, strict=True)
-                if (there := np.isfinite(column)).any()
-            ]
-        )
-        known = apart[np.isfinite(apart)]  # between what was measured first and last
+        found = [np.interp(log.time, time[on], angle) for angle in angles.T]
+        apart = np.stack(found, axis=1) - log.measured  # at the rows of the log
+        known = apart[np.isfinite(apart)]
         joints = float(np.sqrt(np.mean(known**2))) if len(known) else None
     if log.contact:
         rows = np.clip(log.time.searchsorted(time[on]), 0, len(log.time) - 1)

@@ -58,8 +58,9 @@ def together(logs: Sequence[Log]) -> Log:
     for number, (log, own) in enumerate(zip(logs, known, strict=True), 1):
         if {*log.joints} != {*first.joints}:
             raise ValueError(f"trial {number} commands other joints than the first")
-        commands = ordered(log, first.joints).at(first.time)
-        if (off := float(np.abs(commands - first.commanded).max())) > SAME_COMMAND:
+        both = first.time <= log.time[-1]  # it may have ended before
+        apart = ordered(log, first.joints).at(first.time) - first.commanded
+        if (off := float(np.abs(apart[both]).max(initial=0))) > SAME_COMMAND:
             other = f"commands of trial {number} differ by up to {degrees(off):.2g}"
             done.append(f"{other} degrees; those of the first are played")
         done += (f"trial {number}, {gap}" for gap in _gaps(log))

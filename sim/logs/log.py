@@ -155,7 +155,7 @@ def _table(path: Path) -> dict[str, Array]:
     """Columns of numbers by name, NaN where cells are empty."""
     text = read_file(path, LARGEST_LOG).decode("utf-8-sig", "replace")
     if "\0" in text:
-        raise ValueError("it is no text in UTF-8; save it in UTF-8")
+        raise ValueError("it has zero bytes, as UTF-16 does; save it in UTF-8, without")
     parted = max(",;\t", key=text.lstrip("\r\n").partition("\n")[0].count)
     lines = (row for row in csv.reader(text.splitlines(), delimiter=parted) if row)
     names = [name.strip() for name in next(lines, [])]

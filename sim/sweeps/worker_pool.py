@@ -61,6 +61,8 @@ QUIET = {
     "distributed.deploy.lost-worker-timeout": "1h",  # its successor may start slowly
     "distributed.worker.multiprocessing-method": "forkserver",  # which loads all once
 }
+SOFTWARE = "__import__('sim.sweeps.ledger', fromlist=['*']).software()"
+"""A question that a worker can take in, and answer, without this package."""
 GONE = (KilledWorker, NoValidWorkerError, NoWorkerError)
 """What Dask says of work whose worker is no more."""
 
@@ -147,7 +149,7 @@ class WorkerPool:
         there = self._there()
         for worker in there:
             if worker not in self.asked:
-                self.asked[worker] = self._submit(worker, software)
+                self.asked[worker] = self._submit(worker, eval, SOFTWARE)
         for worker, answer in list(self.asked.items()):
             if worker not in self.accepted | self.refused.keys() and answer.done():
                 self._judge(worker, answer)

@@ -15,7 +15,12 @@ from sim.scenarios.scenario import Scenario
 from sim.world.floor import SOLVING, floor_pairs, scene
 from sim.world.motors import added_rotors, undamped_joints
 from sim.world.others import couplings, loose_joints, other_drives
-from sim.world.servos import delayed_servos, joints_without_servo, servo_settings
+from sim.world.servos import (
+    delayed_servos,
+    joints_with_more,
+    joints_without_servo,
+    servo_settings,
+)
 
 MESSAGES: Mapping[str, str] = shipped_tables("sim.world", "changes.toml")
 
@@ -32,6 +37,7 @@ def changes(robot: Robot, scenario: Scenario) -> Iterator[str]:
         "couplings": bound,
         "options": [n for n in SOLVING if getattr(spec.option, n) != getattr(ours, n)],
         "motors": [j for j in joints_without_servo(robot) if j in motors],
+        "more": joints_with_more(robot),
         "delayed": delayed_servos(robot),
         "rotors": [*added],
         "springs": [*undamped_joints(robot, asked)],

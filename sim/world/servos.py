@@ -7,6 +7,7 @@ the same servo on the joint itself, so that commands are angles.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import Literal
@@ -143,6 +144,14 @@ def delayed_servos(robot: Robot) -> list[str]:
     none, servos = mujoco.mjtDyn.mjDYN_NONE, _servos(robot.read())
     late = [s.target for s in servos if s.delay or s.dyntype != none]
     return [joint for joint in late if joint in robot.card.joints]
+
+
+def joints_with_more(robot: Robot) -> list[str]:
+    """Leg joints of a robot that its file gives more beside a position servo."""
+    spec = robot.read()
+    on_joint = Counter(a.target for a in spec.actuators if a.trntype in ON_JOINT)
+    served = dict.fromkeys(servo.target for servo in _servos(spec))
+    return [j for j in served if on_joint[j] > 1 and j in robot.card.joints]
 
 
 def joints_without_servo(robot: Robot) -> list[str]:

@@ -107,6 +107,13 @@ def test_trials_of_other_commands_are_told_apart():
     other = replace(log(WAY), commanded=np.full((41, 1), 0.1))
     said = together([log(WAY), other]).done[0]
     assert "commands of trial 2 differ by up to 5.7 degrees" in said
+
+
+def test_a_trial_that_ends_before_the_first_has_no_other_commands():
+    turning = replace(log(WAY), commanded=TIME[:, None] / TIME[-1])
+    half = log(WAY[:20], TIME[:20])
+    half = replace(half, commanded=turning.commanded[:20])
+    assert not any("commands of" in said for said in together([turning, half]).done)
     with pytest.raises(ValueError, match="trial 2 commands other joints"):
         together([log(WAY), replace(log(WAY), joints=("knee",))])
 

@@ -211,5 +211,5 @@ def test_a_missing_log_and_one_in_utf_16_are_what_was_given_wrongly(tmp_path):
     with pytest.raises(UsageError, match="^no such log: .*log.csv; check the path$"):
         read_log(path, ("hip_1",), (1,))
     path.write_text("time,hip_1\n0,0\n1,0.1\n", encoding="utf-16")
-    with pytest.raises(UsageError, match="no text in UTF-8: .*; save it in UTF-8$"):
+    with pytest.raises(UsageError, match="zero bytes, as UTF-16 does: .*; save it in"):
         read_log(path, ("hip_1",), (1,))

@@ -252,6 +252,16 @@ def test_the_measured_robot_is_compared_on_the_whole_way(still):
     assert "off the simulated one, and 1.03 at most" in describe(still.summary)
 
 
+def test_noise_of_measured_joints_is_not_smoothed_by_other_clocks():
+    """Of a log of 50 rows a second, beside a walk that is recorded 100 times."""
+    time, noise = np.arange(0, 1.01, 0.02), np.random.default_rng(0).normal(size=51)
+    still, seen = np.zeros((51, 1)), 0.01 * noise[:, None]
+    log = Log(time, ("swing_1",), still, measured=seen)
+    done = play(load("hexapod"), log, timestep=0.002, predictions=["quasi_static"])
+    rms = float(np.sqrt(np.mean(seen**2)))  # 0.85 of it where its rows are bridged
+    assert done.summary.measured.joints == pytest.approx(rms, rel=0.02)
+
+
 def test_measured_joints_are_those_of_the_leg_behind_the_slack_of_its_gears():
     none = np.zeros((2, 1))
     log = Log(np.array([0.0, 0.2]), ("lift_1",), none, measured=none)

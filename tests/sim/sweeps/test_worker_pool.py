@@ -144,6 +144,28 @@ def test_workers_with_another_mujoco_get_no_points(tmp_path):
     assert not (out / "table.parquet").exists()
 
 
+LACKING = """import sys
+class Finder:
+    def find_spec(self, name, *_):
+        if name == "sim":
+            raise ModuleNotFoundError("No module named 'sim'", name="sim")
+sys.meta_path.insert(0, Finder())
+"""
+
+
+def test_a_worker_without_this_package_lives_on_and_is_told_of(tmp_path):
+    """As in an environment of a cluster into which nobody has installed it."""
+    file = write_sweep(tmp_path, "[grid]\nfriction = [0.5]\n")
+    (tmp_path / "sitecustomize.py").write_text(LACKING)
+    with cluster(tmp_path, ENV | {"PYTHONPATH": str(tmp_path)}) as address:
+        for out in ("out", "again"):  # it has not ended
+            words = ("sweep", file, "--out", tmp_path / out, "--scheduler", address)
+            done = stratawalk(*words)
+            assert done.returncode == 8
+            assert "No module named 'sim'" in done.stderr
+            assert "install the same versions everywhere" in done.stderr
+
+
 def test_a_scheduler_that_is_lost_takes_no_point_with_it(tmp_path):
     file = write_sweep(tmp_path, "[grid]\nhold = [0.1, 60.0]\n")  # a second, a minute
     file.write_text(file.read_text().replace("hold = 0.1\n", "", 1))

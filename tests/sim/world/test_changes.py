@@ -66,6 +66,17 @@ COUPLED = {
 }
 
 
+@pytest.mark.parametrize("more", ['<velocity kv="5"', '<position kp="200"', "<motor"])
+def test_further_actuators_of_a_joint_are_left_out_and_told(edited, scenario, more):
+    robot = edited("</actuator>", f'{more} joint="swing_2"/></actuator>')
+    told = [line for line in changes(robot, scenario()) if "further" in line]
+    assert told == [
+        "joints 'swing_2' have further actuators beside their servos; these are left "
+        "out; servo_stiffness and servo_damping set other servos"
+    ]
+    assert prepare(scenario(), robot).model.nu == 12
+
+
 @pytest.mark.parametrize("kind", COUPLED)
 def test_equations_between_leg_joints_no_longer_hold_and_are_told(
     kind, edited, scenario
