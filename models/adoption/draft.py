@@ -8,15 +8,7 @@ from itertools import chain
 
 import numpy as np
 
-from models.adoption.anatomy import (
-    Limb,
-    Pose,
-    drafted_servo,
-    find_limbs,
-    servo_stiffness,
-    standing_angles,
-    stands,
-)
+from models.adoption import anatomy
 from models.adoption.card_text import (
     GaitDraft,
     alternating,
@@ -63,7 +55,7 @@ class Draft:
 
     card: str
     guesses: tuple[str, ...]
-    limbs: tuple[Limb, ...]
+    limbs: tuple[anatomy.Limb, ...]
     gait: GaitDraft
 
 
@@ -88,22 +80,22 @@ def draft_card(source: Source) -> Draft:
     check_places(model, name)
     key = start_key(model)
     start = model.qpos0 if key is None else model.key_qpos[key]
-    pose = Pose.at(model, root_body(model, source.given), start)
+    pose = anatomy.Pose.at(model, root_body(model, source.given), start)
     guesses = [*source.notes]
-    limbs = find_limbs(pose, name)
+    limbs = anatomy.find_limbs(pose, name)
     if angles := _mid_range(pose, limbs):
         pose.turn(angles)
-        limbs = find_limbs(pose, name)
+        limbs = anatomy.find_limbs(pose, name)
         guesses.append(guess("middle", joint=min(angles), more=len(angles) - 1))
-    if not stands(pose, limbs):
-        angles |= standing_angles(pose, limbs, name)
+    if not anatomy.stands(pose, limbs):
+        angles |= anatomy.standing_angles(pose, limbs, name)
         pose.turn(angles)
         guesses.append(guess("bent"))
     if _depth(pose, limbs) > DEEPEST:
         angles |= (spread := _spread(pose, limbs))
         guesses.append(guess("spread" if spread else "jammed"))
     angles |= _level(pose, limbs)
-    limbs = _numbered(find_limbs(pose, name))
+    limbs = _numbered(anatomy.find_limbs(pose, name))
     way = _gait(pose, limbs, name)
     gait = rowing(limbs, way) if isinstance(way, Crawl) else alternating(limbs, way)
     for limb, turn in zip(limbs, gait.turns, strict=True):
@@ -115,8 +107,8 @@ def draft_card(source: Source) -> Draft:
         gait = alternating(limbs, way, reach)
     joints = [joint for limb in limbs for joint in limb.joints]
     arm = max(float(np.linalg.norm(limb.toe[:2] - limb.hip)) for limb in limbs)
-    suited = drafted_servo(pose, joints, arm, len(limbs))
-    found = {joint: servo_stiffness(model, joint) for joint in joints}
+    suited = anatomy.drafted_servo(pose, joints, arm, len(limbs))
+    found = {joint: anatomy.servo_stiffness(model, joint) for joint in joints}
     servo = None if all(found.values()) else suited
     rest = sum(len(limb.hold) for limb in limbs)
     held = f"; {rest} more are held" if rest else ""
@@ -133,7 +125,7 @@ def draft_card(source: Source) -> Draft:
     return Draft(card, tuple(guesses), limbs, gait)
 
 
-def _mid_range(pose: Pose, limbs: Sequence[Limb]) -> dict[str, float]:
+def _mid_range(pose: anatomy.Pose, limbs: Sequence[anatomy.Limb]) -> dict[str, float]:
     """The middle of its range, for each swing joint at or beyond an end [rad]."""
     limited = pose.model.jnt_limited
     joints = [m.swing for m in limbs if limited[pose.model.joint(m.swing).id]]
@@ -145,14 +137,14 @@ def _mid_range(pose: Pose, limbs: Sequence[Limb]) -> dict[str, float]:
     }
 
 
-def _depth(pose: Pose, limbs: Sequence[Limb]) -> float:
+def _depth(pose: anatomy.Pose, limbs: Sequence[anatomy.Limb]) -> float:
     """Angle at which the steepest leg goes down from lift joint to foot [rad]."""
     feet = [pose.bottom(pose.model.geom(limb.foot).id) for limb in limbs]
     x, y, z = np.subtract(feet, [pose.data.joint(m.lift).xanchor for m in limbs]).T
     return float(np.arctan2(-z, np.hypot(x, y)).max())
 
 
-def _spread(pose: Pose, limbs: Sequence[Limb]) -> dict[str, float]:
+def _spread(pose: anatomy.Pose, limbs: Sequence[anatomy.Limb]) -> dict[str, float]:
     """Angles of lift joints, all turned up alike, for feet not too far below them.
 
     The pose is moved; it stays where there are no such angles.
@@ -161,13 +153,13 @@ def _spread(pose: Pose, limbs: Sequence[Limb]) -> dict[str, float]:
     for turn in np.arange(0.0, lift_room(pose, limbs) / 2, np.deg2rad(1)):
         angles = {m.lift: begin[m.lift] + m.up * float(turn) for m in limbs}
         pose.turn(angles)
-        if _depth(pose, limbs) <= DEEPEST and stands(pose, limbs):
+        if _depth(pose, limbs) <= DEEPEST and anatomy.stands(pose, limbs):
             return angles
     pose.turn(begin)
     return {}
 
 
-def _level(pose: Pose, limbs: Sequence[Limb]) -> dict[str, float]:
+def _level(pose: anatomy.Pose, limbs: Sequence[anatomy.Limb]) -> dict[str, float]:
     """Angles of lift joints that put feet which `stands` accepts on one floor.
 
     The pose is moved; legs that are stiff do not bend by what drawings are off.
@@ -185,7 +177,9 @@ def _level(pose: Pose, limbs: Sequence[Limb]) -> dict[str, float]:
     return {lift: pose.angle(lift) for lift in feet}
 
 
-def _gait(pose: Pose, limbs: Sequence[Limb], file: str) -> tuple[Stand, Stand] | Crawl:
+def _gait(
+    pose: anatomy.Pose, limbs: Sequence[anatomy.Limb], file: str
+) -> tuple[Stand, Stand] | Crawl:
     """Two groups that stand in turn; a crawl where there are none."""
     arms = np.linalg.norm([limb.toe[:2] - limb.hip for limb in limbs], axis=1)
     if arms.min() < SHORT * max(float(arms.max()), 1e-9):
@@ -206,7 +200,7 @@ def _gait(pose: Pose, limbs: Sequence[Limb], file: str) -> tuple[Stand, Stand] |
     return posed(limbs, ways, weight, room, file)
 
 
-def _numbered(limbs: Sequence[Limb]) -> tuple[Limb, ...]:
+def _numbered(limbs: Sequence[anatomy.Limb]) -> tuple[anatomy.Limb, ...]:
     """Pairs from front to back, odd numbers left; around the body if not in pairs."""
     middle = np.mean([limb.toe[:2] for limb in limbs], axis=0)
     back = sorted(limbs, key=lambda limb: -limb.toe[0])

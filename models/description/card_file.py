@@ -6,16 +6,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import fields
 from pathlib import Path
 
-from models.description.card import (
-    LIFT_TIME,
-    Card,
-    GroupCard,
-    LegCard,
-    PatternCard,
-    Servo,
-    Twist,
-    made_of,
-)
+from models.description import card
 from models.description.servos import BOARD_CLOCK, NUMBERS, JointServo
 from models.description.table import Table, parse_toml
 from models.errors import ModelError
@@ -47,7 +38,7 @@ def card_text(path: Path) -> str:
         raise ModelError(f"bad robot card: {path}; {why}") from error
 
 
-def parse_card(text: str, source: str) -> Card:
+def parse_card(text: str, source: str) -> card.Card:
     """A robot card from TOML, as in docs/robots.md; refusals name its source."""
     try:
         return _card(Table(parse_toml(text), known=KEYS))
@@ -55,17 +46,17 @@ def parse_card(text: str, source: str) -> Card:
         raise ModelError(f"bad robot card: {source}; {error}") from error
 
 
-def _card(table: Table) -> Card:
+def _card(table: Table) -> card.Card:
     gait = Table(table.get("gait"), "gait", KEYS["gait"])
     board, learnt = (table.table(key, KEYS[key]) for key in ("board", "learnt"))
-    return Card(
+    return card.Card(
         lift_angle=table.number("lift_angle"),
         legs={_leg_number(name): _leg(t) for name, t in _each(table, "leg")},
         groups={name: _group(t) for name, t in _each(table, "group")},
         gait=gait.texts("strata"),
         patterns={
             name: t.make(
-                PatternCard,
+                card.PatternCard,
                 strata=t.texts("strata"),
                 groups=t.gains("groups", required=True),
                 twist=_twist(t),
@@ -73,7 +64,7 @@ def _card(table: Table) -> Card:
             for name, t in (_each(table, "pattern") if "pattern" in table else ())
         },
         least_load=gait.number("least_load", 0.0),
-        lift_time=table.number("lift_time", LIFT_TIME),
+        lift_time=table.number("lift_time", card.LIFT_TIME),
         servo=_servo(table.table("servo")) if "servo" in table else None,
         joint_servos={
             joint: _joint_servo(Table(value, f"servo.{joint}", JOINT_SERVO_KEYS))
@@ -99,17 +90,17 @@ def _leg_number(name: str) -> int:
     return int(name)
 
 
-def _group(table: Table) -> GroupCard:
+def _group(table: Table) -> card.GroupCard:
     gains = table.gains("legs", required=True)
     legs = {_leg_number(leg): gain for leg, gain in gains.items()}
     ends = "the lowest and the highest angle [rad]"
     swing = table.numbers("swing", 2, ends) if "swing" in table else None
-    return table.make(GroupCard, legs=legs, twist=_twist(table), swing=swing)
+    return table.make(card.GroupCard, legs=legs, twist=_twist(table), swing=swing)
 
 
-def _leg(table: Table) -> LegCard:
+def _leg(table: Table) -> card.LegCard:
     return table.make(
-        LegCard,
+        card.LegCard,
         swing=table.text("swing"),
         lift=table.text("lift"),
         foot=table.texts("foot"),
@@ -118,7 +109,7 @@ def _leg(table: Table) -> LegCard:
     )
 
 
-def _servo(servo: Table) -> Servo | None:
+def _servo(servo: Table) -> card.Servo | None:
     """The servo of all joints; None where only single ones are described."""
     common = {k: v for k, v in servo.values.items() if not isinstance(v, dict)}
     if servo.values and not common:
@@ -126,9 +117,9 @@ def _servo(servo: Table) -> Servo | None:
     table = Table(common, "servo", KEYS["servo"])
     kind = table.text("kind", "")
     data = {key: table.number(key) for key in NUMBERS if kind and key in table}
-    made = made_of(kind, data) if kind else None
+    made = card.made_of(kind, data) if kind else None
     return table.make(
-        Servo,
+        card.Servo,
         stiffness=table.number("stiffness", made.stiffness if made else None),
         damping=table.number("damping", made.lost_torque if made else None),
         made=kind,
@@ -144,7 +135,7 @@ def _joint_servo(table: Table) -> JointServo:
     return table.make(JointServo, **given)
 
 
-def _twist(table: Table) -> Twist | None:
+def _twist(table: Table) -> card.Twist | None:
     if "twist" not in table:
         return None
     return table.numbers("twist", 3, "forward, left [m/rad], yaw [rad/rad]")

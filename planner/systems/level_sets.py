@@ -11,14 +11,7 @@ import sympy as sp
 from planner.errors import point
 from planner.numerics.arrays import Array
 from planner.numerics.subspaces import rank
-from planner.systems.fields import (
-    CompiledFields,
-    NumericField,
-    Symbols,
-    VectorField,
-    compile_fields,
-    sample_configurations,
-)
+from planner.systems import fields
 from planner.systems.rounding import TRUSTED, WeighedValues
 
 NEWTON_ITERATIONS = 30  # of Newton's method; far fewer suffice where it converges
@@ -44,24 +37,24 @@ class LevelSet:
     """
 
     functions: tuple[sp.Expr, ...]
-    state: Symbols
+    state: fields.Symbols
 
     @cached_property
     def differential(self) -> sp.Matrix:
         """The differentials d Phi_i as rows, shape (codimension, n)."""
         return sp.Matrix(self.functions).jacobian(sp.Matrix(self.state))
 
-    def leaves(self, field: VectorField) -> bool:
+    def leaves(self, field: fields.VectorField) -> bool:
         """Whether a field is not tangent to the set (Sec. 5.1)."""
         return bool(self.rates(field).any())
 
-    def rates(self, field: VectorField) -> Array:
+    def rates(self, field: fields.VectorField) -> Array:
         """Rates <d Phi_i, field> at `points`, shape (points, codimension).
 
         A rate that is a mere rounding error is zero, and so is one that is singular.
         There is only one row, of zeros, if the formulas show that all rates vanish.
         """
-        if not isinstance(field, NumericField):
+        if not isinstance(field, fields.NumericField):
             formulas = self.differential * field
             if formulas.is_zero_matrix:
                 return np.zeros((1, len(self.functions)))
@@ -79,7 +72,7 @@ class LevelSet:
         Raises `ValueError` if none is found, or the functions are dependent there (Def.
         1).
         """
-        x = sample_configurations(len(self.state))
+        x = fields.sample_configurations(len(self.state))
         steepest = np.zeros(len(self.functions))
         for _ in range(NEWTON_ITERATIONS):
             residual, slopes = self._linear(x)
@@ -129,13 +122,15 @@ class LevelSet:
         return self._gradients.values(x)
 
     @cached_property
-    def _values(self) -> CompiledFields:
-        return compile_fields([sp.Matrix(self.functions)], self.state)
+    def _values(self) -> fields.CompiledFields:
+        return fields.compile_fields([sp.Matrix(self.functions)], self.state)
 
     @cached_property
-    def _gradients(self) -> CompiledFields:
+    def _gradients(self) -> fields.CompiledFields:
         slopes = self.differential.T
-        return compile_fields([slopes.col(j) for j in range(slopes.cols)], self.state)
+        return fields.compile_fields(
+            [slopes.col(j) for j in range(slopes.cols)], self.state
+        )
 
 
 def _steepness(slopes: Array) -> Array:

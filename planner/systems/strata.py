@@ -22,13 +22,7 @@ from numpy.typing import ArrayLike
 from planner.errors import StratumError, message, point, require_known, unknown
 from planner.numerics.arrays import Array
 from planner.numerics.subspaces import directions_beyond
-from planner.systems.declaration import (
-    checked_level_sets,
-    checked_lifts,
-    checked_metric,
-    checked_state,
-    checked_strata,
-)
+from planner.systems import declaration
 from planner.systems.fields import CompiledFields, Symbols, VectorField, compile_fields
 from planner.systems.level_sets import LevelSet
 
@@ -79,17 +73,17 @@ class StratifiedSystem:
     )
 
     def __post_init__(self) -> None:
-        normalised = checked_state(self.state)
-        strata = checked_strata(self.strata, normalised)
-        level_sets = checked_level_sets(self.level_sets, strata, normalised)
+        normalised = declaration.checked_state(self.state)
+        strata = declaration.checked_strata(self.strata, normalised)
+        level_sets = declaration.checked_level_sets(self.level_sets, strata, normalised)
         require_known(f"bottom {self.bottom!r}", self.bottom, strata)
         fixed = {stratum: MappingProxyType(own) for stratum, own in strata.items()}
         for name, value in (
             ("state", normalised),
             ("strata", MappingProxyType(fixed)),
             ("level_sets", level_sets),
-            ("metric", checked_metric(self.metric, normalised)),
-            ("lifts", checked_lifts(self.lifts, strata)),
+            ("metric", declaration.checked_metric(self.metric, normalised)),
+            ("lifts", declaration.checked_lifts(self.lifts, strata)),
         ):
             object.__setattr__(self, name, value)
         self._require_distinct_contacts()

@@ -12,16 +12,8 @@ from models import shipped_robots
 from sim.commands import options as cli
 from sim.endings import command
 from sim.errors import UsageError
+from sim.fitting import fitting
 from sim.fitting.estimate import Estimates, Parameter
-from sim.fitting.fitting import (
-    JointFit,
-    Value,
-    card_text,
-    check_free,
-    check_measured,
-    fit_joints,
-    write_card,
-)
 from sim.fitting.poses import Walked, fit_poses, log_of, walked_of_log, walked_of_run
 from sim.logs.alignment import ordered
 from sim.logs.log import Log
@@ -37,16 +29,16 @@ MILLI, MILLI_UNITS = 1e3, {"rad": "mrad", "s": "ms"}  # in tables
 def fit(options: argparse.Namespace) -> None:
     """Fit servos and what moves the body, print both, and write a card if asked for."""
     if options.out is not None:
-        check_free(Path(options.out))
+        fitting.check_free(Path(options.out))
     setup, logs, walked = _sources(options)
     walking = walked is not None if options.walking is None else options.walking
-    fitted: dict[str, tuple[Value, Value]] = {}
+    fitted: dict[str, tuple[fitting.Value, fitting.Value]] = {}
     facts: dict[str, object] = {}
     parts: dict[str, object] = dict.fromkeys(("body", "servos", "written"))
     with bar(quiet=options.json) as progress:
         if angles := [log for log in logs if log.measured is not None]:
             with stage(progress, "fitting servos"):
-                fit = fit_joints(setup, angles, walking)
+                fit = fitting.fit_joints(setup, angles, walking)
             fitted |= fit.settings(setup.robot.card.joints)
             both = zip(fit.joints, fit.before.tolist(), fit.after.tolist(), strict=True)
             kept = {joint: {"before": b, "after": a} for joint, b, a in both if b == b}
@@ -63,8 +55,8 @@ def fit(options: argparse.Namespace) -> None:
             rows = [(p.name, cell, _unit(p)) for p, cell in cells]
             facts["body"], parts["body"] = found, found | {"rows": rows}
     if options.out is not None:
-        text = card_text(setup.robot, fitted, options.sources)
-        parts["written"] = write_card(setup.robot, Path(options.out), text)
+        text = fitting.card_text(setup.robot, fitted, options.sources)
+        parts["written"] = fitting.write_card(setup.robot, Path(options.out), text)
     settings = {key: {"value": v, "error": e} for key, (v, e) in fitted.items()}
     cli.report(options, {"settings": settings} | facts, render("fit.txt", **parts))
 
@@ -97,7 +89,7 @@ def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | No
             raise UsageError.of("unmeasured", path)
         if log.measured is None and (held or log is not logs[0]):
             raise UsageError.of("poses_alone", path)
-        check_measured(path, log)
+        fitting.check_measured(path, log)
         if {*log.joints} != {*logs[0].joints}:
             raise UsageError.of("other_joints", path, first=paths[0])
     logs = [ordered(log, logs[0].joints) for log in logs]
@@ -112,7 +104,7 @@ def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | No
     return setup, logs, walked
 
 
-def _of_servos(fit: JointFit) -> dict[str, object]:
+def _of_servos(fit: fitting.JointFit) -> dict[str, object]:
     """Every joint, all of them, what does not show, and what the kept rows say."""
     servo = fit.each.parameters
     shared = dict(zip(fit.make.parameters, _cells(fit.make, 0), strict=True))

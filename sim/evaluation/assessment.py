@@ -14,37 +14,8 @@ import numpy as np
 from models import MeasurementError
 from planner import Array
 from sim.drive.drive import Drive
+from sim.evaluation import deviations, motions, phases
 from sim.evaluation.causes import Evidence
-from sim.evaluation.deviations import (
-    LEAST_WAY,
-    Scale,
-    departure,
-    deviations,
-    error_sources,
-    off,
-    per_metre,
-    predicted_way,
-    require_holding,
-    sensed,
-)
-from sim.evaluation.motions import (
-    Achieved,
-    achieved_motion,
-    clearances,
-    commands_along,
-    measured_along,
-    predicted_along,
-)
-from sim.evaluation.phases import (
-    commanded_pace,
-    count_changes,
-    foreseen,
-    moving_time,
-    real_robot,
-    slip_by_phase,
-    swing_slip,
-    swing_travel,
-)
 from sim.evaluation.quantities import describe
 from sim.evaluation.summary import Accomplished, Departure, Predicted, Summary, Weighed
 from sim.evaluation.verdict import Verdict, judge
@@ -72,7 +43,7 @@ class Evaluation:
     """
 
     walk: Walk
-    achieved: Achieved
+    achieved: motions.Achieved
     predicted: Mapping[str, Prediction]
     unpredicted: Mapping[str, str]  # predictions that could not be made, and why
     clearance: Mapping[str, Array]  # achieved and predicted, if there are obstacles
@@ -98,7 +69,7 @@ class Evaluation:
     @cached_property
     def measured(self) -> Measured | None:
         """What a log says of a real robot, at every recorded moment."""
-        return measured_along(self.walk, self.predicted)
+        return motions.measured_along(self.walk, self.predicted)
 
     @cached_property
     def weighed(self) -> Weighed:
@@ -108,19 +79,21 @@ class Evaluation:
         return scale.weigh(achieved, predicted, self.walk.setup.scenario.goal)
 
     @cached_property
-    def scale(self) -> Scale:
+    def scale(self) -> deviations.Scale:
         """What distances are weighed by: the path, or the way that is predicted."""
         setup, made = self.walk.setup, self.predicted
         reach = setup.kinematics.reach
         if setup.motion is None:
-            return Scale.of(setup.scenario.path, reach, made)
-        return Scale(best(made), reach, self.way or LEAST_WAY * reach)
+            return deviations.Scale.of(setup.scenario.path, reach, made)
+        return deviations.Scale(
+            best(made), reach, self.way or deviations.LEAST_WAY * reach
+        )
 
     @property
     def way(self) -> float:
         """Length of the way that is predicted of a motion that is played [m]."""
         rigid, setup = self.predicted[OF_MOTIONS[0]], self.walk.setup
-        return predicted_way(rigid.pose[self.judged], setup.kinematics.reach)
+        return deviations.predicted_way(rigid.pose[self.judged], setup.kinematics.reach)
 
     def least_clearance(self, name: str) -> float | None:
         """Of the walk or of a prediction [m]; None where there are no obstacles."""
@@ -160,7 +133,7 @@ def evaluate(
     setup, motion = walk.setup, walk.setup.motion
     cache = setup.walk_cache(shared)
     of_world = world_cache(setup.scenario, setup.robot, shared)
-    given = cache("commanded", partial(commands_along, walk))
+    given = cache("commanded", partial(motions.commands_along, walk))
     strata = {phase.stratum for phase in walk.phases if phase.kind == "swing"}
     asked: Collection[str] = setup.scenario.predictions or PREDICTIONS
     for name in (names := tuple(PREDICTIONS) if motion is None else OF_MOTIONS):
@@ -171,13 +144,13 @@ def evaluate(
             alike = motion is None and follows_commands(walk.setup, name, strata)
             caches[name] = cache if alike else no_cache
             twists = partial(of_world, name, partial(twist_model, setup, name))
-            require_holding(walk, name, twists, strata)
-            follow = partial(predicted_along, walk, name, twists, given)
+            deviations.require_holding(walk, name, twists, strata)
+            follow = partial(motions.predicted_along, walk, name, twists, given)
             with stage(progress, f"making the {name.replace('_', '-')} prediction"):
                 predicted[name] = caches[name](name, follow)
         except MeasurementError as error:
             unpredicted[name] = str(error)
-    achieved = achieved_motion(walk)
+    achieved = motions.achieved_motion(walk)
     walking = walk.recording.moments.step >= walk.starts
     judged = walking & walk.recording.marks.inspected  # whichever rows are written
     poses = {name: found.pose[judged] for name, found in predicted.items()}
@@ -191,10 +164,10 @@ def evaluate(
         achieved=achieved,
         predicted=predicted,
         unpredicted=unpredicted,
-        clearance=clearances(walk, predicted),
+        clearance=motions.clearances(walk, predicted),
         walking=walking,
         judged=judged,
-        deviation=deviations(walk, caches, poses),
+        deviation=deviations.deviations(walk, caches, poses),
         creep_floor=creep,
     )
 
@@ -219,22 +192,24 @@ def summarise(
     if goal is None:
         length = walked = evaluation.way
     else:
-        off_goal["goal"] = departure(pose, np.array(goal))
-    switches, fastest = commanded_pace(walk)
-    strokes = swing_travel(swings, setup.robot.groups, loaded=True)
+        off_goal["goal"] = deviations.departure(pose, np.array(goal))
+    switches, fastest = phases.commanded_pace(walk)
+    strokes = phases.swing_travel(swings, setup.robot.groups, loaded=True)
     slip, judged = achieved.slip[-1], evaluation.judged
     absent: dict[str, None] = dict.fromkeys(evaluation.unpredicted)
     errors: dict[str, Departure | None] = {}
     predicted, sources = dict[str, Predicted](), dict[str, dict[str, list[float]]]()
     for name, made in evaluation.predicted.items():
         clear = evaluation.least_clearance(name)
-        predicted[name] = foreseen(walk, name, made, judged, clear)
-        errors[name] = off(achieved.pose[judged], made.pose[judged], length, walked)
+        predicted[name] = phases.foreseen(walk, name, made, judged, clear)
+        errors[name] = deviations.off(
+            achieved.pose[judged], made.pose[judged], length, walked
+        )
         if not scenario.replan:  # an error that adds up, from one plan
-            sources[name] = error_sources(walk, achieved.pose, made)
+            sources[name] = deviations.error_sources(walk, achieved.pose, made)
     if (real := evaluation.measured) is not None and real.pose is not None:
         ways = achieved.pose[evaluation.walking], real.pose[evaluation.walking]
-        off_goal["measured"] = off(*ways, length, walked)
+        off_goal["measured"] = deviations.off(*ways, length, walked)
     return Summary(
         verdict=evaluation.verdict.word,
         verdict_text=evaluation.verdict.text,
@@ -252,9 +227,9 @@ def summarise(
         path_length=length,
         distance_walked=walked,
         contact_switches=switches,
-        contact_switches_achieved=count_changes(walk),
+        contact_switches_achieved=phases.count_changes(walk),
         swing_travel=strokes,
-        air_travel=swing_travel(swings, setup.robot.groups, loaded=False),
+        air_travel=phases.swing_travel(swings, setup.robot.groups, loaded=False),
         bounces=recording.bounces,
         wall_contacts=recording.wall_contacts,
         self_contacts=recording.self_contacts,
@@ -270,7 +245,7 @@ def summarise(
             min_margin=recording.least_margin,
             min_clearance=evaluation.least_clearance("achieved"),
             slip=float(slip.sum()),
-            **slip_by_phase(walk, float(slip.sum()), swing_slip(walk)),
+            **phases.slip_by_phase(walk, float(slip.sum()), phases.swing_slip(walk)),
             slip_per_foot=dict(
                 zip(map(str, setup.robot.legs), slip.tolist(), strict=True)
             ),
@@ -282,9 +257,9 @@ def summarise(
         | {"feed_forward": setup.servo.feed_forward or Drive(setup).feeds_forward},
         weighed=evaluation.weighed,
         deviation=evaluation.deviation,
-        feedback=sensed(walk),
-        measured=real_robot(walk, real),
-        per_metre=per_metre(length, moving_time(walk), strokes),
+        feedback=deviations.sensed(walk),
+        measured=phases.real_robot(walk, real),
+        per_metre=deviations.per_metre(length, phases.moving_time(walk), strokes),
         simulated_time=recording.steps * dt,
         timestep=dt,
         versions=versions(),

@@ -28,14 +28,8 @@ from sim.evaluation.summary import (
 from sim.motion.poses import compose, path_deviation, relative, wrap
 from sim.motion.prediction import Prediction
 from sim.preparation.shared import Cache, no_cache
+from sim.scenarios import predictions
 from sim.scenarios.body_path import NominalPath
-from sim.scenarios.predictions import (
-    IDEAL,
-    IDENTIFIED,
-    QUASI_STATIC,
-    best,
-    prediction_key,
-)
 from sim.walking.finished import Walk
 
 SWAY = 0.25  # of the feet's distance from the middle
@@ -61,9 +55,9 @@ def deviations(
     scenario = walk.setup.scenario
     if walk.setup.motion is not None:
         return {}
-    planned = prediction_key(scenario.steer)
-    if planned == IDEAL.key and scenario.optimise != "none":
-        planned = QUASI_STATIC.key
+    planned = predictions.prediction_key(scenario.steer)
+    if planned == predictions.IDEAL.key and scenario.optimise != "none":
+        planned = predictions.QUASI_STATIC.key
 
     def farthest(name: str) -> Departure | None:
         if name not in poses:
@@ -73,7 +67,7 @@ def deviations(
 
     return {
         "planned": farthest(planned),
-        "quasi_static": farthest(QUASI_STATIC.key),
+        "quasi_static": farthest(predictions.QUASI_STATIC.key),
         "achieved": farthest("achieved"),
     }
 
@@ -155,7 +149,7 @@ class Scale:
         """That of walks along a path, by the best of the predictions that were made."""
         turns = np.diff(path.curve.at(np.linspace(0, 1, COMPARED))[:, 2])
         way = path.length or reach * float(np.abs(turns).sum())
-        return cls(best(made), reach, way if way > SHORTEST_WAY else 0.0)
+        return cls(predictions.best(made), reach, way if way > SHORTEST_WAY else 0.0)
 
     def weigh(
         self, poses: Array, predicted: Array, goal: Sequence[float] | None
@@ -236,7 +230,7 @@ def require_holding(
     that is steered on is kept; else MeasurementError says why it is left out.
     """
     scenario, length, off = walk.setup.scenario, walk.setup.scenario.path.length, 0.0
-    if name != IDENTIFIED.key or scenario.steered_on == name:
+    if name != predictions.IDENTIFIED.key or scenario.steered_on == name:
         return
     if isinstance(twists := made(), IdentifiedTwists):
         fields = (f for f in twists.fields.values() if f.stratum in strata)

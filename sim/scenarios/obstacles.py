@@ -17,15 +17,7 @@ import shapely
 
 from planner import Array
 from sim.errors import UsageError
-from sim.scenarios.declaration import (
-    Range,
-    Table,
-    accept,
-    is_list,
-    refusal,
-    require_keys,
-    require_kind,
-)
+from sim.scenarios import declaration
 
 Point = tuple[float, float]
 
@@ -35,9 +27,9 @@ FARTHEST = 1e3  # [m] from the start
 MOST_CORNERS = 3000  # of all obstacles, which take seconds to compile
 SMALLEST_SIZE = 1e-4  # [m]; smaller sizes are taken for mistakes
 
-Coordinate = Annotated[float, Range(-FARTHEST, FARTHEST)]
-Length = Annotated[float, Range(SMALLEST_SIZE, FARTHEST)]
-Finite = Annotated[float, Range(-1e308, 1e308)]
+Coordinate = Annotated[float, declaration.Range(-FARTHEST, FARTHEST)]
+Length = Annotated[float, declaration.Range(SMALLEST_SIZE, FARTHEST)]
+Finite = Annotated[float, declaration.Range(-1e308, 1e308)]
 A_LENGTH = Length, f"a length from {SMALLEST_SIZE:g} to {FARTHEST:g} m"
 A_POINT = tuple[Coordinate, Coordinate], f"a point [x, y] [m], none beyond {FARTHEST:g}"
 FORMS: Mapping[str, tuple[object, str]] = {
@@ -99,10 +91,12 @@ class Obstacle:
 
 def decode(tables: object) -> tuple[Obstacle, ...]:
     """The obstacles that a scenario's list of tables describes, counted from 1."""
-    if not is_list(tables):
-        raise refusal(tables, "a list of tables, [[obstacles]]", "obstacles")
+    if not declaration.is_list(tables):
+        raise declaration.refusal(
+            tables, "a list of tables, [[obstacles]]", "obstacles"
+        )
     points = [table.get("points") for table in tables if isinstance(table, Mapping)]
-    corners = sum(len(one) if is_list(one) else 1 for one in points)
+    corners = sum(len(one) if declaration.is_list(one) else 1 for one in points)
     if corners > MOST_CORNERS:
         raise UsageError.of("corners", "obstacles", count=corners, most=MOST_CORNERS)
     return tuple(_decode(table, f"obstacle {i}") for i, table in enumerate(tables, 1))
@@ -113,7 +107,7 @@ def encode(obstacle: Obstacle) -> dict[str, object]:
     return {"kind": obstacle.kind, **dict(obstacle.given)}
 
 
-def _wall(points: Sequence[Point], values: Table) -> Pieces:
+def _wall(points: Sequence[Point], values: declaration.Table) -> Pieces:
     """A chain of straight pieces, each longer by the thickness to close the corners."""
     thickness = values.get("thickness", THICKNESS)
     pieces = []
@@ -125,12 +119,12 @@ def _wall(points: Sequence[Point], values: Table) -> Pieces:
     return tuple(pieces)
 
 
-def _box(_: Sequence[Point], values: Table) -> Pieces:
+def _box(_: Sequence[Point], values: declaration.Table) -> Pieces:
     width, depth = values["size"]
     return (Box(values["center"], (width / 2, depth / 2), values.get("yaw", 0.0)),)
 
 
-def _polygon(points: Sequence[Point], _: Table) -> Pieces:
+def _polygon(points: Sequence[Point], _: declaration.Table) -> Pieces:
     """The polygon itself if it is convex, else triangles."""
     polygon = shapely.Polygon(points)
     if not polygon.is_valid or polygon.area < SMALLEST_SIZE**2:
@@ -153,24 +147,24 @@ have, and what makes its pieces, or says which points would be possible."""
 
 
 def _decode(given: object, where: str) -> Obstacle:
-    table = require_kind(given, where, KINDS)
+    table = declaration.require_kind(given, where, KINDS)
     least, needed, allowed, make = KINDS[table["kind"]]
-    require_keys(table, where, needed, (*allowed, "height"))
+    declaration.require_keys(table, where, needed, (*allowed, "height"))
     values = {
-        key: accept(value, *FORMS[key], f"{where}: {key}")
+        key: declaration.accept(value, *FORMS[key], f"{where}: {key}")
         for key, value in table.items()
         if key in FORMS
     }
     at, points = f"{where}: points", table.get("points", ())
-    if not is_list(points) or len(points) < least:
-        raise refusal(points, f"at least {least} points [x, y] [m]", at)
-    corners = [accept(point, *A_POINT, at) for point in points]
+    if not declaration.is_list(points) or len(points) < least:
+        raise declaration.refusal(points, f"at least {least} points [x, y] [m]", at)
+    corners = [declaration.accept(point, *A_POINT, at) for point in points]
     if any(math.dist(a, b) < SMALLEST_SIZE for a, b in pairwise(corners)):
-        raise refusal(points, "points that differ from one to the next", at)
+        raise declaration.refusal(points, "points that differ from one to the next", at)
     try:
         pieces = make(corners, values)
     except ValueError as error:
-        raise refusal(points, str(error), at) from error
+        raise declaration.refusal(points, str(error), at) from error
     own = tuple((key, _frozen(v)) for key, v in table.items() if key != "kind")
     return Obstacle(table["kind"], own, values.get("height", OBSTACLE_HEIGHT), pieces)
 

@@ -12,22 +12,17 @@ from models import Robot
 from models.description import ON_JOINT
 from planner.support import shipped_tables
 from sim.scenarios.scenario import Scenario
+from sim.world import servos
 from sim.world.floor import SOLVING, floor_pairs, scene
 from sim.world.motors import added_rotors, undamped_joints
 from sim.world.others import couplings, loose_joints, other_drives
-from sim.world.servos import (
-    delayed_servos,
-    joints_with_more,
-    joints_without_servo,
-    servo_settings,
-)
 
 MESSAGES: Mapping[str, str] = shipped_tables("sim.world", "changes.toml")
 
 
 def changes(robot: Robot, scenario: Scenario) -> Iterator[str]:
     """One sentence for each change."""
-    spec, asked = robot.read(), servo_settings(scenario, robot.card)
+    spec, asked = robot.read(), servos.servo_settings(scenario, robot.card)
     motors = {a.target for a in spec.actuators if a.trntype in ON_JOINT}
     added, feet = added_rotors(robot, asked), [spec.geom(n) for n in robot.card.feet]
     pairs, ours = floor_pairs(spec, robot), scene().option
@@ -36,9 +31,9 @@ def changes(robot: Robot, scenario: Scenario) -> Iterator[str]:
         "other_drives": other_drives(robot),
         "couplings": bound,
         "options": [n for n in SOLVING if getattr(spec.option, n) != getattr(ours, n)],
-        "motors": [j for j in joints_without_servo(robot) if j in motors],
-        "more": joints_with_more(robot),
-        "delayed": delayed_servos(robot),
+        "motors": [j for j in servos.joints_without_servo(robot) if j in motors],
+        "more": servos.joints_with_more(robot),
+        "delayed": servos.delayed_servos(robot),
         "rotors": [*added],
         "springs": [*undamped_joints(robot, asked)],
         "wide": [foot.name for foot in feet if foot.margin or foot.gap],
