@@ -56,10 +56,9 @@ def stroke_costs(
     scaled = matrix / np.divide([len(word_of(tree)) for tree in trees], areas)
     degrees = np.array([len(leaves(tree)) for tree in trees])
     joints = {index for index, _ in extended.shape.recoveries.values()}
-    moved = set(np.flatnonzero(matrix.any(axis=1)).tolist())
     return tuple(
         _cost(str(system.state[i]), i, scaled, degrees, elements)
-        for i in sorted(moved - joints)
+        for i in sorted(set(np.flatnonzero(matrix.any(axis=1)).tolist()) - joints)
     )
 
 

@@ -130,5 +130,4 @@ def lift_torques(setup: Setup, down: Array) -> Array:
     mujoco.mj_forward(model, data)
     joints = [actuator_of(model, joint) for joint in robot.lift_joints]
     places = model.jnt_dofadr[model.actuator_trnid[joints, 0]]
-    own = data.qfrc_bias[places]  # holds each leg's own weight in the air
-    return own - loads * rise
+    return data.qfrc_bias[places] - loads * rise  # the first holds legs in the air

@@ -51,8 +51,7 @@ def standing_slip(walk: Walk, slip: Array | None = None) -> Array:
 
 def slip_by_phase(walk: Walk, slip: float, in_swings: float) -> dict[str, float | None]:
     """Slip in swings and beside them [m]; a motion that is played has no phases."""
-    told_apart = walk.setup.motion is None
-    parts = (in_swings, slip - in_swings) if told_apart else (None, None)
+    parts = (in_swings, slip - in_swings) if walk.setup.motion is None else (None, None)
     return dict(zip(("slip_swing", "slip_transition"), parts, strict=True))
 
 

@@ -80,8 +80,7 @@ def _servos(scenario: Scenario, kinematics: Kinematics, world: World) -> Facts:
         np.array([lift_torques(kinematics, s, friction) for s in strata])
         for friction in (0.0, scenario.friction)
     )
-    first = sliding.round(6).argmax()  # of those that bear as much
-    stratum, leg = np.unravel_index(first, sliding.shape)
+    stratum, leg = np.unravel_index(sliding.round(6).argmax(), sliding.shape)
     least, most = float(standing[stratum, leg]), float(sliding.max())
     model = load_world(world)
     lifts = [actuator_of(model, joint) for joint in robot.lift_joints]

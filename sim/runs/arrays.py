@@ -73,8 +73,7 @@ def archive(
     def load(key: str) -> Array:
         with reading(folder), open_file(folder / name) as file:
             array = np.load(file, allow_pickle=False)[key]
-            falls = key.endswith("margin")  # minus infinity while no foot stands
-            numbers = array[array != -np.inf] if falls else array
+            numbers = array[array != -np.inf] if key.endswith("margin") else array
             if not (np.abs(numbers) < LARGEST).all():
                 raise ValueError(f"{key} of {name} is not finite or beyond {LARGEST:g}")
         return array

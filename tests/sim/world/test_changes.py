@@ -77,6 +77,20 @@ def test_further_actuators_of_a_joint_are_left_out_and_told(edited, scenario, mo
     assert prepare(scenario(), robot).model.nu == 12
 
 
+@pytest.mark.parametrize(
+    "holds", ['stiffness="5"', 'damping="1"', 'frictionloss="1"', 'range="-1 1"', ""]
+)
+def test_tendons_that_hold_legs_stay_and_are_told(edited, scenario, holds):
+    strap = TENDON.partition("<sensor>")[0].replace(
+        'name="strap"', f'name="strap" {holds}'
+    )
+    robot = edited("</actuator>", "</actuator>" + strap)
+    told = [
+        line for line in changes(robot, scenario()) if "tendons 'strap' pull" in line
+    ]
+    assert len(told) == bool(holds)
+
+
 @pytest.mark.parametrize("kind", COUPLED)
 def test_equations_between_leg_joints_no_longer_hold_and_are_told(
     kind, edited, scenario
