@@ -95,7 +95,8 @@ def kinds_of(parts: Mapping[str, Array]) -> Iterator[tuple[str, list[str]]]:
     """Rows of a table of sources: names, and the kinds of phases that they sum."""
     for label in parts:
         kind, _, stratum = label.partition(" S")
-        yield WORDS["shifted"].get(kind, f"{kind} S{{}}").format(stratum), [label]
+        row = WORDS["shifted"].get(kind, f"{kind} S{{}}").format(stratum)
+        yield row.replace("Slegs", "legs"), [label]  # where they are no whole groups
     for name, kinds in WORDS["sums"].items():
         if own := [label for label in parts if label.partition(" ")[0] in kinds]:
             yield name, own

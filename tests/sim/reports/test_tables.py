@@ -1,6 +1,6 @@
 """The tables of a report say what the files of its run say."""
 
-from sim.reports.tables import ends, settings
+from sim.reports.tables import ends, kinds_of, settings
 from sim.runs.run import read_run
 
 
@@ -25,3 +25,9 @@ def test_settings_stand_in_the_table_as_in_the_file(folder):
     assert rows["path.goal"][0] == "[0.03, 0.0, 0.0]"
     assert rows["slope"][0] == "not set"
     assert all(about for name, (_, about) in rows.items() if "." not in name)
+
+
+def test_feet_that_are_no_whole_groups_stand_as_legs_in_the_sources():
+    parts = dict.fromkeys(("swing Slegs 2 3", "land S12"))
+    names = [name for name, _ in kinds_of(parts)][:2]
+    assert names == ["swing on legs 2 3", "touchdown from S12"]
