@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
 LONGEST_LINE, MOST_WAITING = 10_000, 10_000  # characters of a line, waiting poses
 ASTRAY = 1.0  # [m], more than the path is long, that no robot can be off its plan
+AHEAD = 0.5  # [s], by which the clock of poses may be ahead of that of commands
 REPLY = 0.02  # [s], for an answer to a command that is written out of real time
 
 
@@ -152,6 +153,7 @@ class Link:
     pace: float
     patience: float
     began: float | None = None
+    last: tuple[float, list[float]] | None = None  # pose
 
     def send(self, walk: ServedWalk, rows: Iterable[Row]) -> None:
         """Write commands, each when its time has come."""
@@ -182,14 +184,17 @@ class Link:
                     cli.notice(f"t = {walk.time:.2f} s: no pose came", "warning")
                     break
                 self.send(walk, [walk.wait()])
-                found += islice(self._since(stopped), sensing.readings - len(found))
+                since = self._since(stopped, walk.time)
+                found += islice(since, sensing.readings - len(found))
         known = (column[np.isfinite(column)] for column in np.array(found).T)
         x, y, yaw = known if found else np.empty((3, 0))
         return [c.mean().item() if len(c) else nan for c in (x, y, np.unwrap(yaw))]
 
-    def _since(self, moment: float) -> Iterator[list[float]]:
-        """Poses that have come and are not older than a moment [s]."""
+    def _since(self, moment: float, now: float) -> Iterator[list[float]]:
+        """Poses that have come and are not older than a moment [s], each once."""
         while reading := self.poses.next(1e-3 if self.pace else REPLY):
-            when, pose = reading
-            if when >= moment:
+            (when, pose), before, self.last = reading, self.last, reading
+            if when > now + AHEAD:
+                raise UsageError.of("ahead", "--poses", when=when, now=now)
+            if when >= moment and reading != before:
                 yield pose

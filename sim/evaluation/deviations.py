@@ -16,15 +16,7 @@ import numpy as np
 from models import IdentifiedTwists, MeasurementError, TwistModel
 from planner import Array, Path
 from sim.errors import message
-from sim.evaluation.summary import (
-    DEGREE,
-    NEAR,
-    Departure,
-    PerMetre,
-    PredictionError,
-    Sensed,
-    Weighed,
-)
+from sim.evaluation import summary
 from sim.motion.poses import compose, path_deviation, relative, wrap
 from sim.motion.prediction import Prediction
 from sim.preparation.shared import Cache, no_cache
@@ -39,15 +31,15 @@ SHORTEST_WAY = 1e-6  # [m]; shares of a shorter one are rounding
 COMPARED = 1500  # poses that are compared with the path, evenly taken from all
 
 
-def deviation_from(curve: Path, poses: Array) -> Departure:
+def deviation_from(curve: Path, poses: Array) -> summary.Departure:
     """Farthest that poses, in time order, come from a path and from its yaw."""
     rows = np.linspace(0, len(poses) - 1, min(len(poses), COMPARED)).round().astype(int)
-    return Departure(**path_deviation(curve, poses[rows])._asdict())
+    return summary.Departure(**path_deviation(curve, poses[rows])._asdict())
 
 
 def deviations(
     walk: Walk, caches: Mapping[str, Cache], poses: Mapping[str, Array]
-) -> dict[str, Departure | None]:
+) -> dict[str, summary.Departure | None]:
     """Farthest from the path and from its yaw: planned, quasi-static and achieved.
 
     A plan is of the prediction it steers on, an optimised one never of the ideal one.
@@ -59,7 +51,7 @@ def deviations(
     if planned == predictions.IDEAL.key and scenario.optimise != "none":
         planned = predictions.QUASI_STATIC.key
 
-    def farthest(name: str) -> Departure | None:
+    def farthest(name: str) -> summary.Departure | None:
         if name not in poses:
             return None
         found = partial(deviation_from, scenario.path.curve, poses[name])
@@ -72,7 +64,7 @@ def deviations(
     }
 
 
-def sensed(walk: Walk) -> Sensed | None:
+def sensed(walk: Walk) -> summary.Sensed | None:
     """What feedback thinks; None if nothing was told, or all of it was exact."""
     followed = walk.followed
     if followed is None or followed.feedback.sensing.is_exact:
@@ -80,7 +72,7 @@ def sensed(walk: Walk) -> Sensed | None:
     last = followed.stops[-1]
     wrong = departure(np.array(last.expected), np.array(last.true))
     (claimed, claimed_yaw), (least, least_yaw) = followed.claimed, followed.bound
-    return Sensed(
+    return summary.Sensed(
         thought=list(last.expected),
         wrong=wrong.position,
         wrong_yaw=wrong.yaw,
@@ -92,27 +84,29 @@ def sensed(walk: Walk) -> Sensed | None:
     )
 
 
-def per_metre(length: float, seconds: float, strokes: float) -> PerMetre:
+def per_metre(length: float, seconds: float, strokes: float) -> summary.PerMetre:
     """Time and strokes of the loaded groups [rad] per metre of the nominal path."""
     if not length:
-        return PerMetre()
-    return PerMetre(seconds=seconds / length, strokes=strokes / length)
+        return summary.PerMetre()
+    return summary.PerMetre(seconds=seconds / length, strokes=strokes / length)
 
 
-def departure(pose: Array, other: Array) -> Departure:
+def departure(pose: Array, other: Array) -> summary.Departure:
     """How far a pose is from another one."""
     apart = pose - other
     far = float(np.hypot(*apart[:2]))
-    return Departure(position=far, yaw=float(abs(wrap(apart[2]))))
+    return summary.Departure(position=far, yaw=float(abs(wrap(apart[2]))))
 
 
-def off(poses: Array, others: Array, length: float, walked: float) -> PredictionError:
+def off(
+    poses: Array, others: Array, length: float, walked: float
+) -> summary.PredictionError:
     """How far a motion (T, 3) is from another one at its end, and at most on the way.
 
     Ratios to lengths of path and way [m] are None where these are zero.
     """
     at_end = departure(poses[-1], others[-1])
-    return PredictionError(
+    return summary.PredictionError(
         **at_end,
         position_per_path=at_end.position / length if length else None,
         position_per_walked=at_end.position / walked if walked else None,
@@ -153,12 +147,15 @@ class Scale:
 
     def weigh(
         self, poses: Array, predicted: Array, goal: Sequence[float] | None
-    ) -> Weighed:
+    ) -> summary.Weighed:
         """Poses (T, 3) against the prediction (T, 3) on the way and a goal, (3,)."""
         end, wanted = poses[-1], [] if goal is None else [np.array(goal, dtype=float)]
         ends = [departure(end, pose) for pose in (predicted[-1], *wanted)]
-        near = all(o.position <= NEAR * self.length and o.yaw <= DEGREE for o in ends)
-        return Weighed(
+        near = all(
+            o.position <= summary.NEAR * self.length and o.yaw <= summary.DEGREE
+            for o in ends
+        )
+        return summary.Weighed(
             **vars(self),
             goal=self.share(end, wanted[0], near) if wanted else None,
             ended=self.share(end, predicted[-1], near),

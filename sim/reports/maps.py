@@ -9,18 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from planner import Array
+from sim import palette
 from sim.evaluation.quantities import ROWS
 from sim.motion.poses import length_up_to, rotate, spaced_rows
-from sim.palette import (
-    ACHIEVED,
-    NOMINAL,
-    OBSTACLE,
-    PREDICTED,
-    RUNS,
-    THOUGHT,
-    PathMark,
-    Style,
-)
 from sim.reports.drawing import (
     FEW,
     NOTES,
@@ -52,16 +43,16 @@ def plan_view(run: Run) -> Drawing:
     """Nominal path, the predictions and the achieved path of the body's centre."""
     with sheet(_height([run]), MAP_WIDTH) as (figure, axes):
         keys = _draw_place(axes, run)
-        axes.plot(*_walked(run, run.achieved), **ACHIEVED.line(alpha=0.55))
-        keys.append(Key.of(ACHIEVED, "achieved"))
+        axes.plot(*_walked(run, run.achieved), **palette.ACHIEVED.line(alpha=0.55))
+        keys.append(Key.of(palette.ACHIEVED, "achieved"))
         for name, poses in run.drawn.items():
             label = f"predicted, {ROWS[name]}" if name in PREDICTIONS else ROWS[name]
-            axes.plot(*_walked(run, poses), **PREDICTED[name].line())
-            keys.append(Key.of(PREDICTED[name], label))
+            axes.plot(*_walked(run, poses), **palette.PREDICTED[name].line())
+            keys.append(Key.of(palette.PREDICTED[name], label))
         for outline in run.thought:
-            axes.plot(*(MM * outline.T), **THOUGHT.line())
+            axes.plot(*(MM * outline.T), **palette.THOUGHT.line())
         if run.thought:
-            keys.append(Key.of(THOUGHT, f"{THOUGHT.label}, 90 % sure"))
+            keys.append(Key.of(palette.THOUGHT, f"{palette.THOUGHT.label}, 90 % sure"))
         note = "" if run.scenario.motion else NOTES["plan"]
         if np.ptp(np.unwrap(run.nominal[:, 2])) > TURNED:
             note += NOTES["front"]
@@ -74,9 +65,9 @@ def _draw_headings(axes: Axes, run: Run) -> None:
     poses = run.achieved[np.append(stretches(run), -1)]
     every = np.linspace(0, len(poses) - 1, min(ARROWS, len(poses))).round().astype(int)
     x, y, yaw = poses[every].T
-    look: Style = {"width": 0.008, "scale": 11, "zorder": 3}
+    look: palette.Style = {"width": 0.008, "scale": 11, "zorder": 3}
     ahead = np.cos(yaw), np.sin(yaw)
-    axes.quiver(MM * x, MM * y, *ahead, color=ACHIEVED.colour.hex, **look)
+    axes.quiver(MM * x, MM * y, *ahead, color=palette.ACHIEVED.colour.hex, **look)
 
 
 def errors(run: Run) -> Iterator[Drawing]:
@@ -85,7 +76,7 @@ def errors(run: Run) -> Iterator[Drawing]:
     last = np.append(starts[1:], len(run.time)) - 1
     length = MM * run.summary.path_length
     done = np.linspace(0, length or len(starts), len(starts) + 1)
-    marks = {name: PREDICTED[name] for name in run.compared}
+    marks = {name: palette.PREDICTED[name] for name in run.compared}
     for way, word in enumerate(WAYS):
         with sheet(ERROR_HEIGHT, MAP_WIDTH) as (figure, axes):
             for name, mark in marks.items():
@@ -110,9 +101,12 @@ def best_of(runs: Iterable[Run]) -> str:
 
 def overlaid(runs: Sequence[tuple[str, Run]]) -> Iterator[Drawing]:
     """Achieved paths of several runs in one drawing, and how far off they are."""
-    widths, looks = np.linspace(2.0, 0.8, len(runs)), cycle(product(DASHES, RUNS))
+    widths, looks = (
+        np.linspace(2.0, 0.8, len(runs)),
+        cycle(product(DASHES, palette.RUNS)),
+    )
     marks = [
-        PathMark(name, colour, 0.0, width, dashes)
+        palette.PathMark(name, colour, 0.0, width, dashes)
         for (name, _), width, (dashes, colour) in zip(runs, widths, looks, strict=False)
     ]
     styles, names = [m.line() for m in marks], [Key.of(m, m.label) for m in marks]
@@ -120,8 +114,8 @@ def overlaid(runs: Sequence[tuple[str, Run]]) -> Iterator[Drawing]:
         known = {k.label: k for _, run in runs for k in _draw_place(axes, run)}
         for (_, run), style in zip(runs, styles, strict=True):
             if (real := run.compared.get("measured")) is not None:
-                axes.plot(*_walked(run, real), **PREDICTED["measured"].line())
-                known["measured"] = Key.of(PREDICTED["measured"], "measured")
+                axes.plot(*_walked(run, real), **palette.PREDICTED["measured"].line())
+                known["measured"] = Key.of(palette.PREDICTED["measured"], "measured")
             axes.plot(*_walked(run, run.achieved), **style)
         heading = "Achieved paths of the body's centre, x and y [mm]"
         note = "" if runs[0][1].scenario.motion else NOTES["plan"]
@@ -143,12 +137,16 @@ def overlaid(runs: Sequence[tuple[str, Run]]) -> Iterator[Drawing]:
 
 def _draw_place(axes: Axes, run: Run) -> list[Key]:
     for outline in run.obstacles:
-        axes.fill(*(MM * outline.T), color=OBSTACLE.hex, lw=0)
-    axes.plot(*(MM * run.nominal[:, :2].T), **NOMINAL.line())
-    ring: Style = {"mfc": "none", "mew": 1.4, "color": NOMINAL.colour.hex}
+        axes.fill(*(MM * outline.T), color=palette.OBSTACLE.hex, lw=0)
+    axes.plot(*(MM * run.nominal[:, :2].T), **palette.NOMINAL.line())
+    ring: palette.Style = {
+        "mfc": "none",
+        "mew": 1.4,
+        "color": palette.NOMINAL.colour.hex,
+    }
     axes.plot(*(MM * run.nominal[-1, :2]), "o", markersize=8, **ring)
     axes.set_aspect("equal", adjustable="datalim")
-    return [Key.of(NOMINAL, ", ".join(run.path_labels))]
+    return [Key.of(palette.NOMINAL, ", ".join(run.path_labels))]
 
 
 def _turned(run: Run, name: str) -> Array:
