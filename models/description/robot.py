@@ -11,15 +11,9 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
+from models.description import compiled
 from models.description.actuators import position_servos_of, span_of
 from models.description.card import Card, GroupCard, LegCard
-from models.description.compiled import (
-    compile_model,
-    named,
-    one_line,
-    read_spec,
-    root_body,
-)
 from models.description.inspection import Opened
 
 START = ("start", "home")  # names of the keyframe to start from
@@ -57,7 +51,7 @@ class Robot:
     @property
     def has_card_inside(self) -> bool:
         """Whether its MJCF file brings its card as custom text."""
-        return any(text.name == EMBEDDED for text in read_spec(self.path).texts)
+        return any(t.name == EMBEDDED for t in compiled.read_spec(self.path).texts)
 
     def __str__(self) -> str:
         return self.name
@@ -155,24 +149,24 @@ class Robot:
         """A fresh, editable copy of the MJCF without a card; every part has a name."""
         if self.text:
             scenes = {path.name: path.read_bytes() for path in FOLDER.glob("*.xml")}
-            with one_line(f"not usable as MJCF: {self.path}"):
+            with compiled.one_line(f"not usable as MJCF: {self.path}"):
                 spec = mujoco.MjSpec.from_string(self.text, include=scenes)
         else:
-            spec = read_spec(self.path)
+            spec = compiled.read_spec(self.path)
         for text in [text for text in spec.texts if text.name == EMBEDDED]:
             spec.delete(text)
-        named(spec)
+        compiled.named(spec)
         return spec
 
     @cached_property
     def model(self) -> mujoco.MjModel:
         """The file compiled as it stands: for kinematics, masses and joint ranges."""
-        return compile_model(self.read(), str(self.path))
+        return compiled.compile_model(self.read(), str(self.path))
 
     @cached_property
     def root(self) -> str:
         """Name of the body that carries the free joint."""
-        return str(self.model.body(root_body(self.model, self.path)).name)
+        return str(self.model.body(compiled.root_body(self.model, self.path)).name)
 
     @cached_property
     def start_qpos(self) -> np.ndarray:

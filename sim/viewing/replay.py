@@ -17,7 +17,7 @@ import numpy as np
 
 from models.description import root_body
 from planner import Array
-from planner.support import installing
+from planner.support import installing, tick
 from sim import palette
 from sim.errors import UsageError
 from sim.folder import blamed_on, whole
@@ -47,6 +47,7 @@ def write_replay(
     """Write `replay.html` into a run folder; progress is called with the share done."""
     with blamed_on(folder):
         page = _page(read_run(folder).in_world(), progress).encode()
+        tick()  # a callback of viser may have lost an interruption
     path = folder / NAME
     with whole(path, len(page)) as part:
         part.write_bytes(page)

@@ -7,11 +7,13 @@ import mujoco
 import numpy as np
 import pytest
 
+from planner.support import forget_interruption, note_interruption
 from sim import palette
 from sim.errors import UsageError
 from sim.pictures.clock import Playback
 from sim.pictures.legend import entries
 from sim.runs.run import read_run
+from sim.viewing import replay
 from sim.viewing.marks import Marks, thinned
 from sim.viewing.web import TORSO, looked_through
 from tests.finished_runs import predicted_elsewhere
@@ -205,3 +207,19 @@ def test_lines_lie_over_one_another_and_over_the_disc_of_the_goal(recorded, mode
     )
     middle, half = disc.pos[2] / recorded.reach, disc.size[2] / recorded.reach
     assert (middle, half) == pytest.approx((0.004, 0.002))  # of height, on the floor
+
+
+def test_an_interruption_that_a_library_loses_leaves_no_replay(folder, monkeypatch):
+    """As one that comes in a callback of viser does."""
+
+    def lose(*_):
+        note_interruption(KeyboardInterrupt(), lambda: None)
+        return "a page"
+
+    monkeypatch.setattr(replay, "_page", lose)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            replay.write_replay(folder)
+    finally:
+        forget_interruption()
+    assert not (folder / replay.NAME).exists()
