@@ -174,7 +174,8 @@ class SweepFolder:
 
 def abouts(folder: Path) -> list[Path]:
     """Files of a folder that say what its sweep, or each of its shards, is about."""
-    return [path for path in folder.glob("sweep*.json") if OWN.fullmatch(path.name)]
+    names = os.listdir(folder) if folder.is_dir() else []  # which may be forbidden
+    return [folder / n for n in names if OWN.fullmatch(n) and n.endswith(".json")]
 
 
 def missing_shard(folders: Iterable[Path]) -> str:
@@ -211,7 +212,7 @@ def sole_owner(path: Path) -> Iterator[None]:
     What names the owner stays only where its process is killed.
     """
     lock, owner = FileLock(path, timeout=0), path.with_suffix(".owner")
-    with telling("cannot be locked", path.parent, "choose another folder"):
+    with telling("cannot be locked", path.parent, "let its files be written"):
         try:
             lock.acquire()
         except Timeout:

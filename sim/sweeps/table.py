@@ -10,6 +10,7 @@ from typing import Any
 import pyarrow as pa
 from pyarrow import parquet
 
+from planner.support import open_file
 from sim.endings import command
 from sim.errors import UsageError
 from sim.folder import whole
@@ -57,6 +58,7 @@ def read_table(path: Path) -> tuple[dict[str, list[object]], dict[str, Any]]:
             two = command("compare", *(run.parent for run in runs[-2:]))
             remedy = f"runs are compared: {two}"
         raise UsageError("no such table", str(path), remedy)
+    open_file(path).close()  # which says why it may not be
     try:
         declared = parquet.read_metadata(path)
         groups = map(declared.row_group, range(declared.num_row_groups))

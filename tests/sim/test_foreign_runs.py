@@ -1,12 +1,9 @@
 """A run folder of a stranger: files of two walks, numbers too large, and models."""
 
 import json
-import os
 import re
 import resource
 import shutil
-import subprocess
-import sys
 
 import imageio.v3 as iio
 import numpy as np
@@ -15,7 +12,7 @@ import pytest
 from sim.cli import main
 from sim.errors import UsageError
 from sim.runs.run import read_run
-from tests.commands import refusal, run
+from tests.commands import forbidden, refusal, run
 from tests.sim.test_damaged_runs import COMMANDS
 
 
@@ -87,19 +84,11 @@ def test_what_decides_no_walk_may_be_changed_in_a_runs_settings(folder):
 
 @pytest.mark.parametrize("name", ["trajectory.npz", "model.xml", "robot.xml"])
 def test_files_that_may_not_be_read_are_named_with_that_reason(folder, hexapod, name):
-    """Asked as one to whom permissions apply, whoever runs the tests."""
     shutil.copy(hexapod.path, folder / "robot.xml")
     show = ["show", folder, "--no-browser"]
     words = ["robots", folder / name] if name == "robot.xml" else show
     (folder / name).chmod(0)
-    bound = ["setpriv", "--bounding-set=-dac_override,-dac_read_search"]
-    prefix = bound * (os.geteuid() == 0)
-    done = subprocess.run(
-        [*prefix, sys.executable, "-m", "sim.start", *map(str, words)],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    done = forbidden(*words)
     assert done.returncode == 6
     assert f"error: Permission denied: {folder / name}; check the path" in done.stderr
 

@@ -8,6 +8,7 @@ import pytest
 
 from sim.cli import main
 from sim.sweeps.ledger import LENGTH, _sealed
+from tests.commands import forbidden
 from tests.sweeps import walked_here, write_sweep
 
 pytestmark = pytest.mark.physics
@@ -67,3 +68,16 @@ def test_versions_that_are_no_texts_are_not_merged(again, capsys, mujoco):
     (folder / "sweep.json").write_text(json.dumps(about))
     assert main(["merge", str(folder)]) == 2
     assert "sweep.json; choose another folder" in capsys.readouterr().err
+
+
+def test_tables_and_folders_that_may_not_be_read_are_named_with_that_reason(again):
+    _, folder = again
+    (folder / "table.parquet").chmod(0)
+    done = forbidden("study", folder)
+    said = f"error: Permission denied: {folder}"
+    assert (done.returncode, f"{said}/table.parquet; " in done.stderr) == (6, True)
+    for mode in (0, 0o111):
+        folder.chmod(mode)
+        done = forbidden("merge", folder)
+        assert (done.returncode, f"{said}; " in done.stderr) == (6, True), done.stderr
+    folder.chmod(0o755)
