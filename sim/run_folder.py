@@ -147,6 +147,7 @@ def run(
     summary = replace(simulation.summary, timing=simulation.timing | {"render": 0.0})
     with stage(progress, "writing"):
         finished = writer.finished(simulation.evaluation, summary)
+    summary = finished.summary
     _report(finished, warn, progress)
     if look is not None:
         from sim.pictures.run_film import film_folder

@@ -1,8 +1,11 @@
 """Finished runs with other contents, for tests of what shows them."""
 
+import json
 from dataclasses import replace
 
+from models.description import parse_toml
 from sim.evaluation.flows import WalkedPhase
+from sim.scenarios.file import settings_digest
 
 
 def predicted_elsewhere(run, place):
@@ -15,3 +18,14 @@ def predicted_elsewhere(run, place):
 def phase(kind, stratum, group):
     """A phase of which only the words matter."""
     return WalkedPhase(0, 0.0, 1.0, kind, stratum, "", 0.0, group, 0.0, True)
+
+
+def reset(folder, change, **numbers):
+    """Give a run other settings, and numbers of its summary, as if it had had them."""
+    text = (folder / "scenario.toml").read_text()
+    changed = change(text)
+    assert changed != text
+    (folder / "scenario.toml").write_text(changed)
+    summary = json.loads((folder / "summary.json").read_text())
+    summary |= {"settings": settings_digest(parse_toml(changed)), **numbers}
+    (folder / "summary.json").write_text(json.dumps(summary))

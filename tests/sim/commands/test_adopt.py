@@ -151,7 +151,7 @@ def test_a_robot_that_takes_too_long_is_refused_in_time(tmp_path, capsys, monkey
             sum(range(1000))
 
     monkeypatch.setattr(robots, "BUDGET", 0.5)
-    monkeypatch.setattr(draft, "find_limbs", for_ever)
+    monkeypatch.setattr(draft.anatomy, "find_limbs", for_ever)
     path, began = SPIDER.write(tmp_path), process_time()
     assert main(["adopt", str(path)]) == 3
     assert process_time() - began < 5

@@ -55,7 +55,7 @@ def test_the_body_is_fitted_to_a_walk_whose_commands_came_late(
         make=SimpleNamespace(unseen=list),
     )  # fmt: skip
     monkeypatch.setattr(command, "_sources", lambda _: sources)
-    monkeypatch.setattr(command, "fit_joints", lambda *_: servos)
+    monkeypatch.setattr(command.fitting, "fit_joints", lambda *_: servos)
     monkeypatch.setattr(command, "_of_servos", lambda _: None)
 
     def fit_poses(walked):
@@ -98,7 +98,7 @@ def test_a_run_is_of_its_own_robot_unless_another_is_named(monkeypatch, tmp_path
 def test_poses_that_cannot_be_fitted_are_refused_with_their_log(monkeypatch, hexapod):
     log = logged(pose=np.zeros((2, 3)))
     monkeypatch.setattr(command.cli, "reader_of", lambda *_: lambda _: log)
-    monkeypatch.setattr(command, "check_measured", lambda *_: None)
+    monkeypatch.setattr(command.fitting, "check_measured", lambda *_: None)
     monkeypatch.setattr(command, "scenario_of", lambda *_: None)
     monkeypatch.setattr(command, "prepare", lambda *_, **__: "setup")
 
@@ -135,8 +135,12 @@ def test_logs_of_one_fit_are_brought_into_one_order_and_none_is_passed_over(
         "both": logged(measured=angles, pose=pose),
     }
     monkeypatch.setattr(command.cli, "reader_of", lambda *_: lambda at: logs[str(at)])
-    for name in ("check_measured", "scenario_of", "prepare"):
-        monkeypatch.setattr(command, name, lambda *_, **__: None)
+    for place, name in (
+        (command.fitting, "check_measured"),
+        (command, "scenario_of"),
+        (command, "prepare"),
+    ):
+        monkeypatch.setattr(place, name, lambda *_, **__: None)
     monkeypatch.setattr(command, "walked_of_log", lambda *_: "walked")
     _, found, walked = command._sources(options("hexapod", "joints", "turned"))
     assert [log.joints for log in found] == [("a", "b")] * 2

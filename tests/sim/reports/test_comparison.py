@@ -13,6 +13,7 @@ from sim.reports.comparison import compare
 from sim.reports.drawing import FEW, stretches
 from sim.runs.run import Run, read_run
 from tests.browser import ask
+from tests.finished_runs import reset
 
 SEEN = """
 return {
@@ -30,13 +31,8 @@ def runs(walked, tmp_path_factory):
     """The walk, and another that says of itself to have less friction and to fall."""
     parent = tmp_path_factory.mktemp("compared")
     one, other = (shutil.copytree(walked, parent / name) for name in ("one", "other"))
-    text = (other / "scenario.toml").read_text()
-    changed = text.replace("friction = 1.0", "friction = 0.3")
-    assert changed != text
-    (other / "scenario.toml").write_text(changed)
-    summary = json.loads((other / "summary.json").read_text())
-    summary |= {"verdict": "fell", "verdict_text": "fell at 3.0 s"}
-    (other / "summary.json").write_text(json.dumps(summary))
+    fell = {"verdict": "fell", "verdict_text": "fell at 3.0 s"}
+    reset(other, lambda text: text.replace("friction = 1.0", "friction = 0.3"), **fell)
     return one, other
 
 
@@ -82,13 +78,8 @@ def test_it_says_what_each_kind_of_phase_adds_to_the_drift(runs, capsys):
 
 def test_a_walk_without_numbers_by_phase_says_why(runs, tmp_path, capsys):
     again = shutil.copytree(runs[0], tmp_path / "again")
-    said = (again / "scenario.toml").read_text()
-    assert "replan = false" in said
-    planned_again = said.replace("replan = false", "replan = true")
-    (again / "scenario.toml").write_text(planned_again)
-    summary = json.loads((again / "summary.json").read_text())
-    changed = summary | {"error_sources": None, "replan": True}
-    (again / "summary.json").write_text(json.dumps(changed))
+    replanned = {"error_sources": None, "replan": True}
+    reset(again, lambda said: said.replace("plan = false", "plan = true"), **replanned)
     assert main(["compare", str(runs[0]), str(again), "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert [row["replan"] for row in found["settings"]] == ["false", "true"]
@@ -109,10 +100,7 @@ def test_a_run_sends_nothing_to_the_terminal_that_it_would_obey(
     walked, tmp_path, capsys
 ):
     odd = shutil.copytree(walked, tmp_path / "odd")
-    with (odd / "scenario.toml").open("r+") as file:
-        text = file.read()
-        file.seek(0)
-        file.write('"\\u009b2J" = "\\u001b]0;title\\u0007"\n' + text)
+    reset(odd, lambda text: '"\\u009b2J" = "\\u001b]0;title\\u0007"\n' + text)
     assert main(["compare", str(walked), str(odd)]) == 0
     said = capsys.readouterr().out
     assert r"\u001b]0;title\u0007" in said  # as its file has it

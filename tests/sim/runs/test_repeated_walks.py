@@ -1,6 +1,6 @@
 """How often a scenario is walked, what is kept of it, and what a film adds."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import SimpleNamespace
 
 import pytest
@@ -74,19 +74,24 @@ def test_a_motion_is_played_once(walks):
 
 @dataclass(frozen=True)
 class Told:
-    """A summary that tells its timing alone."""
+    """A summary that tells its timing, and of which settings it is, alone."""
 
     timing: dict = field(default_factory=dict)
+    settings: str = ""
 
     def to_json(self):
         """As plain values."""
-        return {"timing": self.timing}
+        return {"timing": self.timing, "settings": self.settings}
 
 
 def test_the_time_of_a_film_is_told_besides_that_of_the_walk(monkeypatch, tmp_path):
     clock, kept = iter([100.0, 107.5]), []
     done = SimpleNamespace(summary=Told(), timing={"plan": 1.0}, evaluation=None)
-    writer = SimpleNamespace(finished=lambda evaluation, summary: summary)
+
+    def finished(evaluation, summary):
+        return SimpleNamespace(summary=replace(summary, settings="of the file"))
+
+    writer = SimpleNamespace(finished=finished)
     monkeypatch.setattr(run_folder, "simulate", lambda *_, **__: done)
     monkeypatch.setattr(run_folder, "Writer", lambda _: writer)
     monkeypatch.setattr(run_film, "film_folder", lambda *_, **__: None)
@@ -97,7 +102,7 @@ def test_the_time_of_a_film_is_told_besides_that_of_the_walk(monkeypatch, tmp_pa
     )
     timing = {"plan": 1.0, "render": 7.5}
     assert run_folder.run(None, folder, look="paper").timing == timing
-    assert kept == [("summary.json", {"timing": timing})]
+    assert kept == [("summary.json", {"timing": timing, "settings": "of the file"})]
     assert run_folder.run(None, folder).timing == timing | {"render": 0.0}
 
 
