@@ -54,7 +54,8 @@ def sweep(options: argparse.Namespace) -> ExitCode:
 
     def kept() -> str:
         on = again(*([] if options.resume else ["--resume"]))
-        return f"{far} kept in {options.out}; go on: {on}"
+        there = folder.ledger.exists()
+        return f"{far if there else 'nothing is'} kept in {options.out}; go on: {on}"
 
     def show(done: int, failed: int, count: int) -> None:
         nonlocal far, first

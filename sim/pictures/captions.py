@@ -14,24 +14,11 @@ from sim import palette
 from sim.evaluation.flows import WalkedPhase
 from sim.evaluation.quantities import ACHIEVED, OF_ROWS, OF_WALKS
 from sim.palette import Colour
+from sim.pictures import legend
 from sim.pictures.camera import FILM, HEIGHT, WIDTH, Camera
 from sim.pictures.clock import Clock
 from sim.pictures.ghost import ghost_of
 from sim.pictures.inset import inset
-from sim.pictures.legend import (
-    EDGE,
-    LARGE,
-    MIDDLE,
-    PAD,
-    Draw,
-    Panel,
-    empty,
-    fitting,
-    legend,
-    length,
-    noun,
-    text,
-)
 from sim.pictures.marks import cell
 from sim.runs.run import Run
 from sim.scenarios.predictions import PREDICTIONS
@@ -53,7 +40,7 @@ class Captions:
     """Writes on the pictures of one film, and draws its two cards."""
 
     def __init__(self, walk: Run, clock: Clock, view: Camera) -> None:
-        key = legend(walk, 1 / (view.pixel * view.distance))
+        key = legend.legend(walk, 1 / (view.pixel * view.distance))
         scale = scale_bar(view, walk.reach)
         error = inset(walk, view, key.bottom + GAP)
         self._panels = (key, scale, error, _bar(walk, clock.playback))
@@ -103,18 +90,23 @@ def _card(lines: Sequence[str], behind: Array) -> Array:
     headline, *rest = lines
     rest = [part for line in rest for part in wrap(line, LETTERS) or [""]]
     y = HEIGHT // 2 - (HEADLINE + STEP * len(rest)) // 2
-    text(draw, (MARGIN, y), fitting(headline, WIDTH - 2 * MARGIN, HEADLINE), HEADLINE)
+    legend.text(
+        draw,
+        (MARGIN, y),
+        legend.fitting(headline, WIDTH - 2 * MARGIN, HEADLINE),
+        HEADLINE,
+    )
     for number, line in enumerate(rest):
         colour = palette.TEXT if number < rest.index("") else palette.FAINT
         place = MARGIN, y + 2 * HEADLINE + STEP * number
-        text(draw, place, line, MIDDLE, colour=colour)
+        legend.text(draw, place, line, legend.MIDDLE, colour=colour)
     return np.array(picture)
 
 
-def _bar(walk: Run, playback: float) -> Panel:
+def _bar(walk: Run, playback: float) -> legend.Panel:
     """At the bottom: stratum, feet in contact, present measurements and the time."""
-    width, height = WIDTH - 2 * EDGE, BAR
-    still, draw = empty(width, height)
+    width, height = WIDTH - 2 * legend.EDGE, BAR
+    still, draw = legend.empty(width, height)
     first = ghost_of(walk)
     off = np.hypot(*(walk.achieved - walk.predicted[first])[:, :2].T)
     label = f"off {PREDICTIONS[first].label}"
@@ -122,33 +114,40 @@ def _bar(walk: Run, playback: float) -> Panel:
     if walk.clearance is not None:
         numbers["clear of obstacles"] = walk.clearance
     speed = "at real speed" if playback == 1 else f"at {playback:g}x real speed"
-    ends = [width - PAD - i * COLUMN for i in range(len(numbers) + 1)]
+    ends = [width - legend.PAD - i * COLUMN for i in range(len(numbers) + 1)]
     for end, label in zip(ends, (speed, *numbers), strict=True):
-        text(draw, (end, 54), label, anchor="ra", colour=palette.FAINT)
+        legend.text(draw, (end, 54), label, anchor="ra", colour=palette.FAINT)
 
-    def write(draw: Draw, row: int) -> None:
+    def write(draw: legend.Draw, row: int) -> None:
         words = describe(walk.phases[walk.phase[row]], walk.groups, walk.legs_per_group)
-        text(draw, (PAD, 12), fitting(words, ends[-1] - COLUMN - PAD, MIDDLE), MIDDLE)
+        legend.text(
+            draw,
+            (legend.PAD, 12),
+            legend.fitting(words, ends[-1] - COLUMN - legend.PAD, legend.MIDDLE),
+            legend.MIDDLE,
+        )
         for foot, leg in enumerate(walk.legs):
             colour = palette.group(walk.group_of_foot[foot])
             _lamp(draw, foot, str(leg), colour, touches=walk.contact[row, foot])
         values = (_millimetres(metres[row]) for metres in numbers.values())
         for end, value in zip(ends, (f"{walk.time[row]:.1f} s", *values), strict=True):
-            text(draw, (end, 14), value, LARGE, "ra")
+            legend.text(draw, (end, 14), value, legend.LARGE, "ra")
 
-    return Panel(EDGE, HEIGHT - EDGE - height, still, write)
+    return legend.Panel(legend.EDGE, HEIGHT - legend.EDGE - height, still, write)
 
 
 def _millimetres(metres: float) -> str:
     return f"{1000 * metres:.1f} mm" if np.isfinite(metres) else "none"
 
 
-def _lamp(draw: Draw, foot: int, leg: str, colour: Colour, touches: bool) -> None:
+def _lamp(
+    draw: legend.Draw, foot: int, leg: str, colour: Colour, touches: bool
+) -> None:
     """A numbered disc, filled while the foot touches the floor."""
-    x, y = PAD + LAMP + 3 * LAMP * foot, BAR - PAD - LAMP
+    x, y = legend.PAD + LAMP + 3 * LAMP * foot, BAR - legend.PAD - LAMP
     place = (x - LAMP, y - LAMP, x + LAMP, y + LAMP)
     draw.ellipse(place, fill=colour if touches else None, outline=colour, width=2)
-    text(draw, (x, y), leg, 14, "mm", colour.ink if touches else palette.TEXT)
+    legend.text(draw, (x, y), leg, 14, "mm", colour.ink if touches else palette.TEXT)
 
 
 def describe(flow: WalkedPhase, groups: Sequence[str], legs_per_group: int) -> str:
@@ -162,13 +161,13 @@ def describe(flow: WalkedPhase, groups: Sequence[str], legs_per_group: int) -> s
     for verb, (*others, last) in doing.items():
         names = f"s {', '.join(others)} and {last}" if others else f" {last}"
         words = verb.format(s="" if others else "s")
-        clauses.append(f"{noun(legs_per_group)}{names} {words}")
+        clauses.append(f"{legend.noun(legs_per_group)}{names} {words}")
     return ", ".join(clauses)
 
 
 def scale_bar(
-    view: Camera, reach: float, bottom: int = HEIGHT - EDGE - BAR - GAP
-) -> Panel:
+    view: Camera, reach: float, bottom: int = HEIGHT - legend.EDGE - BAR - GAP
+) -> legend.Panel:
     """The panel at the left, above the bar of numbers: one cell of the grid."""
     metres, words = cell(reach), f"{1000 * cell(reach):g} mm on the floor here"
     tilt = np.radians(view.elevation)
@@ -176,11 +175,11 @@ def scale_bar(
     # How deep in the picture the ray through this height meets the floor.
     depth = -view.eyes()[0, 2] / (np.sin(tilt) + above * np.cos(tilt))
     bar = round(float(metres / (view.pixel * depth)))
-    width = max(bar, length(words)) + 2 * PAD
-    still, draw = empty(width, SCALE)
-    text(draw, (width - PAD, 6), words, anchor="ra", colour=palette.FAINT)
-    left, right, y = width - PAD - bar, width - PAD, SCALE - 15
+    width = max(bar, legend.length(words)) + 2 * legend.PAD
+    still, draw = legend.empty(width, SCALE)
+    legend.text(draw, (width - legend.PAD, 6), words, anchor="ra", colour=palette.FAINT)
+    left, right, y = width - legend.PAD - bar, width - legend.PAD, SCALE - 15
     draw.line((left, y, right, y), palette.TEXT, 3)
     for x in (left, right):
         draw.line((x, y - TICK, x, y + TICK), palette.TEXT, 3)
-    return Panel(EDGE, bottom - SCALE, still, lambda draw, row: None)
+    return legend.Panel(legend.EDGE, bottom - SCALE, still, lambda draw, row: None)

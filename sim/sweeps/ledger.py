@@ -21,7 +21,7 @@ from pathlib import Path
 
 from models import ModelError, load
 from planner.support import open_file, read_file
-from sim.errors import UsageError, is_text, printable, telling
+from sim.errors import FilesError, UsageError, is_text, printable, telling
 from sim.scenarios.file import to_table
 from sim.scenarios.scenario import Scenario
 from sim.sweeps.file import flat
@@ -162,6 +162,10 @@ class Ledger:
             while content:
                 content = content[os.write(self._handle, content) :]
             os.fsync(self._handle)
+        with suppress(FileNotFoundError):
+            if os.path.samestat(os.fstat(self._handle), self._path.stat()):
+                return
+        raise FilesError.of("ledger_gone", self._path)
 
 
 @contextmanager

@@ -25,8 +25,9 @@ def template(name: str) -> Template:
 
 @cache
 def _environment() -> Environment:
+    here = files(__name__)
     environment = Environment(
-        loader=FunctionLoader(_text),
+        loader=FunctionLoader(lambda name: (here / name).read_text("utf-8")),
         autoescape=lambda name: not str(name).endswith(PLAIN),
         undefined=StrictUndefined,
         trim_blocks=True,
@@ -48,7 +49,3 @@ def _breakable(name: str) -> Markup:
 
 def _millimetres(metres: float, digits: int = 1) -> str:
     return f"{1e3 * metres:z.{digits}f} mm"
-
-
-def _text(name: str) -> str:
-    return files(__name__).joinpath(name).read_text("utf-8")

@@ -179,3 +179,19 @@ def test_a_line_of_other_software_is_refused_where_it_must_be_alike(tmp_path):
     assert read_ledger(path, software={"mujoco": "1", "python": "2"}) == {"a": FIRST}
     with pytest.raises(UsageError, match='of other software, mujoco: "2", now "1"'):
         read_ledger(path, software={"mujoco": "2"})
+
+
+@pytest.mark.parametrize("lose", ["remove", "rename", "replace"])
+def test_a_ledger_that_is_no_longer_there_is_told_at_once(tmp_path, lose):
+    """Not after days of walking points that nobody keeps."""
+    path = tmp_path / "folder" / "ledger"
+    path.parent.mkdir()
+    with opened(path) as ledger:
+        ledger.add([FIRST])
+        if lose == "replace":  # as editors do
+            path.unlink()
+            path.touch()
+        else:
+            path.unlink() if lose == "remove" else path.parent.rename(tmp_path / "b")
+        with pytest.raises(FilesError, match="the ledger was moved, removed or repl"):
+            ledger.add([SECOND])
