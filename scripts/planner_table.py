@@ -20,19 +20,8 @@ from typing import Any
 
 import numpy as np
 
+import planner
 from models import SYSTEMS, Problem, shipped_system
-from planner import (
-    Array,
-    ExtendedSystem,
-    PlannerError,
-    convergence_order,
-    critical_step,
-    extend,
-    line,
-    plan,
-    rollout,
-    steer,
-)
 from planner.optimisation import casadi_function
 from planner.systems import flow_map
 from scripts.pages import parser_of, tabulate
@@ -57,11 +46,11 @@ SEED = 1  # time still decides how far samplers get
 def row(name: str) -> tuple[object, ...]:
     """The line of the table for one shipped system."""
     problem = shipped_system(name)
-    extended = extend(problem.system, problem.elements)
+    extended = planner.extend(problem.system, problem.elements)
     start, goal = problem.states
-    expected = convergence_order(extended, problem.path, "backward")
+    expected = planner.convergence_order(extended, problem.path, "backward")
     exact = math.isinf(expected.order)
-    step = critical_step(extended, start, goal - start)
+    step = planner.critical_step(extended, start, goal - start)
     return (
         name,
         expected.degree,
@@ -74,19 +63,21 @@ def row(name: str) -> tuple[object, ...]:
     )
 
 
-def _measured(problem: Problem, extended: ExtendedSystem) -> float:
+def _measured(problem: Problem, extended: planner.ExtendedSystem) -> float:
     """The order with which the distance from the goal falls."""
-    path = line(*problem.states)
-    plans = (plan(extended, path, n, execution=problem.execution) for n in COUNTS)
-    misses = [np.linalg.norm(rollout(p)[-1] - problem.states[1]) for p in plans]
+    path = planner.line(*problem.states)
+    plans = (
+        planner.plan(extended, path, n, execution=problem.execution) for n in COUNTS
+    )
+    misses = [np.linalg.norm(planner.rollout(p)[-1] - problem.states[1]) for p in plans]
     return math.log2(misses[0] / misses[1])
 
 
-def _shots(problem: Problem, extended: ExtendedSystem) -> tuple[object, object]:
+def _shots(problem: Problem, extended: planner.ExtendedSystem) -> tuple[object, object]:
     try:
         free = replace(problem.execution, limits={}, stance="paper")
-        steered = steer(extended, *problem.states, free)
-    except PlannerError:
+        steered = planner.steer(extended, *problem.states, free)
+    except planner.PlannerError:
         return "none", "none"
     return len(steered.distances) - 1, len(steered.plan.flows)
 
@@ -103,7 +94,7 @@ def _peer(problem: Problem, solve: Callable[[Problem], list[Stroke]]) -> str:
     return f"{len(strokes)}, {missed:.0e} off, {took:.1f} s"
 
 
-def end(problem: Problem, strokes: Iterable[Stroke]) -> Array:
+def end(problem: Problem, strokes: Iterable[Stroke]) -> planner.Array:
     """Where strokes lead from the start, exactly, shape (n,)."""
     x = problem.states[0]
     for name, duration in strokes:
@@ -113,7 +104,7 @@ def end(problem: Problem, strokes: Iterable[Stroke]) -> Array:
 
 def controls(problem: Problem) -> tuple[str, ...]:
     """Names of the fields that a problem's elements are made of."""
-    return extend(problem.system, problem.elements).steering.hall.generators
+    return planner.extend(problem.system, problem.elements).steering.hall.generators
 
 
 def optimised(problem: Problem) -> list[Stroke]:
@@ -198,7 +189,7 @@ def sampled(problem: Problem, seconds: float = SAMPLING_TIME) -> list[Stroke]:
         name = names[min(int(abs(chosen[0])), count - 1)]
         return name, math.copysign(duration, chosen[0])
 
-    def set_to(state: Any, values: Array) -> Any:
+    def set_to(state: Any, values: planner.Array) -> Any:
         for i, value in enumerate(values.tolist()):
             state[i] = value
         return state

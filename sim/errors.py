@@ -30,12 +30,9 @@ class StratawalkError(Exception):
     """An error of one line; the root of this package's errors.
 
     Example:
-        >>> from sim import StratawalkError, load_scenario
-        >>> try:
-        ...     load_scenario("lien")
-        ... except StratawalkError as error:
-        ...     print(error.what, int(error.exit_code))
-        unknown scenario 'lien' 2
+        >>> from sim import RenderError, StratawalkError
+        >>> issubclass(RenderError, StratawalkError)
+        True
     """
 
     exit_code: ClassVar[ExitCode]

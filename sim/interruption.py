@@ -19,13 +19,7 @@ from math import inf
 from types import FrameType
 from typing import NoReturn
 
-from planner.support import (
-    best_so_far,
-    forget_interruption,
-    note_interruption,
-    remove_unfinished,
-    unanswered_interruption,
-)
+from planner import support
 from sim.endings import ENDS, heeded, way_on
 
 NOTICE_TIME = 0.6  # [s] in which the command has to notice a signal
@@ -58,14 +52,14 @@ def listening() -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    forget_interruption()
+    support.forget_interruption()
     before = {number: signal.signal(number, _raise) for number in heeded()}
     try:
         yield
     finally:
         for number, handler in before.items():
             signal.signal(number, handler or signal.SIG_DFL)  # None: not of Python's
-        forget_interruption()
+        support.forget_interruption()
 
 
 def watch() -> None:
@@ -115,7 +109,7 @@ def meant(error: BaseException) -> BaseException:
     Libraries written in C answer an exception raised inside them with one of their own,
     for example that an import failed.
     """
-    stop = unanswered_interruption()
+    stop = support.unanswered_interruption()
     if type(error).__name__ == "FatalError" and "allocate memory" in str(error):
         error = MemoryError()  # which MuJoCo has noticed
     if stop is None or isinstance(error, KeyboardInterrupt):
@@ -127,10 +121,10 @@ def meant(error: BaseException) -> BaseException:
 
 def _raise(number: int, frame: FrameType | None) -> NoReturn:
     _noticed[0] = time.monotonic()
-    if unanswered_interruption() is not None:
+    if support.unanswered_interruption() is not None:
         _end_now(number, "for the second time")
     stop = RAISED.get(signal.Signals(number), KeyboardInterrupt)()
-    note_interruption(stop, _say_that_work_goes_on)
+    support.note_interruption(stop, _say_that_work_goes_on)
     raise stop
 
 
@@ -158,8 +152,8 @@ def _unnoticed(lost: sys.UnraisableHookArgs) -> None:
 
 def _end_now(number: int, when: str) -> NoReturn:
     """End without returning to what the command is doing."""
-    remove_unfinished()
-    best, (code, what) = best_so_far(), ENDS[signal.Signals(number)]
+    support.remove_unfinished()
+    best, (code, what) = support.best_so_far(), ENDS[signal.Signals(number)]
     come_to = f", planning had come to {best}" if best else ""
     line = f"{what} {when}{come_to}; {way_on()}"
     with suppress(OSError):  # standard error may be closed, or on a full disk

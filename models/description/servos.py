@@ -229,8 +229,7 @@ _SHEETS = shipped_tables("models.description", "makes.toml")
 
 ALSO = {n: make for make, sheet in _SHEETS.items() for n in sheet.pop("also", ())}
 KNOWN_SERVOS = {name: _kind(sheet) for name, sheet in _SHEETS.items()}
-GENERIC = ("pulse", "bus")
-"""Servos of no make, to which a data sheet gives torque and speed at least."""
+GENERIC = ("pulse", "bus")  # of no make, with torque and speed of a data sheet
 SERVO_KINDS = {n: kind for n, kind in KNOWN_SERVOS.items() if n not in GENERIC}
 """Servos by name.
 
@@ -247,11 +246,6 @@ def servo_of(name: str, given: Mapping[str, float] | None = None) -> ServoKind:
 
     Raises:
         ValueError: There is no such make, or a number is missing or impossible.
-
-    Example:
-        >>> from models.description import servo_of
-        >>> servo_of("pulse", {"stall_torque": 1.0, "no_load_speed": 6.0}).signal
-        'pulse'
     """
     name, given = ALSO.get(name.lower(), name.lower()), given or {}
     if name not in KNOWN_SERVOS:

@@ -66,8 +66,7 @@ LEGS: Mapping[str, Callable[..., Legs]] = {
     },
     "octopod": _octopod,
     "quadruped": lambda front_x, rear_x, **ys: _square((front_x, rear_x), **ys),
-}
-"""The legs of each shipped robot from the numbers of its shape."""
+}  # the legs of each shipped robot from the numbers of its shape
 
 
 def _shape(name: str, like: Mapping[str, Any], own: Mapping[str, Any]) -> Morphology:

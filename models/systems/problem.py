@@ -23,15 +23,9 @@ from planner import (
     aim,
     line,
     plan,
+    planning,
 )
 from planner.execution import Coordinates, StanceRule
-from planner.planning import (
-    FlatOutputs,
-    extend_along,
-    plan_between,
-    require_segments,
-    stratum_at,
-)
 from planner.support import unknown
 from planner.systems import ShapeCoordinates, ShapeLimits
 
@@ -93,7 +87,7 @@ class Problem:
     degree: int | None = None
     words: Words = "printed"
     in_gait: bool = False
-    flat: FlatOutputs | None = None
+    flat: planning.FlatOutputs | None = None
     hitches: tuple[sp.Expr, ...] = ()
 
     def __post_init__(self) -> None:
@@ -101,7 +95,7 @@ class Problem:
         if self.gait[0] != self.system.bottom:
             facts = {"first": self.gait[0], "bottom": self.system.bottom}
             raise StratumError(message("gait_start", name=self.name, **facts))
-        require_segments(self.segments, self.path)
+        planning.require_segments(self.segments, self.path)
         ShapeCoordinates(self.system).require_limits(self.limits)
         _ = self.states, self.execution  # refuse unknown coordinates and stances
 
@@ -122,7 +116,7 @@ class Problem:
 
         ValueError for unknown elements, PlannerError for those that do not serve.
         """
-        found = extend_along(self.system, self.elements or None, self.path)
+        found = planning.extend_along(self.system, self.elements or None, self.path)
         return found if self.degree is None else found.to_degree(self.degree)
 
     def plan(self, aimed: bool = False) -> Plan:
@@ -132,9 +126,14 @@ class Problem:
         """
         if aimed:
             return aim(self.extended, self.path, self.segments, self.execution)
-        if any(stratum_at(self.system, x) != self.system.bottom for x in self.states):
+        if any(
+            planning.stratum_at(self.system, x) != self.system.bottom
+            for x in self.states
+        ):
             ends = self.states
-            return plan_between(self.extended, *ends, self.segments, self.open_loop)
+            return planning.plan_between(
+                self.extended, *ends, self.segments, self.open_loop
+            )
         return plan(self.extended, self.path, self.segments, execution=self.open_loop)
 
     def largest_fold(self, way: Array) -> float:

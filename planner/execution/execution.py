@@ -41,8 +41,7 @@ CHOICES: Mapping[str, tuple[tuple[Wording, ...], ...]] = {
     "shortest": (("shortest",),),
     "symmetric": (("alternating",),),
     "fewest": (("backward", "forward"), ("backward",), ("forward",)),
-}
-"""Sets of words to choose from; the next set is tried if limits refuse the plan."""
+}  # sets of words to choose from; the next set is tried if limits refuse the plan
 ORDERS: tuple[Wording, ...] = (
     "backward", "forward", "backward-turned", "forward-turned",
 )  # fmt: skip

@@ -18,8 +18,7 @@ from planner.numerics.arrays import Array
 from planner.systems.elements import leaves, parse, word_of
 from planner.systems.strata import StratifiedSystem
 
-AFFORDABLE = 10_000.0
-"""Strokes for a unit of a direction, beyond which it is given in theory only."""
+AFFORDABLE = 10_000.0  # strokes a unit; more make a direction one in theory only
 MISSED = 1e-6  # of a unit of any coordinate
 
 

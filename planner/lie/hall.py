@@ -29,8 +29,7 @@ class Bracket:
         return f"[{self.left},{self.right}]"
 
 
-Element = int | Bracket
-"""The number of a generator, or a bracket of elements."""
+Element = int | Bracket  # the number of a generator, or a bracket of elements
 
 Place = tuple[Any, ...]
 MOST_ELEMENTS, DEEPEST = 10**6, 60  # of a basis; a degree that always goes beyond

@@ -16,8 +16,7 @@ Example:
     >>> x: Array = np.zeros(3)
 """
 
-ROUNDING = 1e-12
-"""A value is zero if it is below this part of the terms that it is a sum of."""
+ROUNDING = 1e-12  # of the terms of a sum; less of it is zero
 
 
 def reals(values: ArrayLike, what: str) -> Array:

@@ -22,8 +22,7 @@ from planner.errors import PlannerError, installing
 from planner.numerics.arrays import Array
 from planner.support.stopping import tick
 
-Expression = Any
-"""A symbol, expression or function of CasADi, or the module itself: it has no types."""
+Expression = Any  # of CasADi, or the module itself, which have no types
 
 QUIET = {
     "ipopt.print_level": 0,

@@ -31,8 +31,7 @@ MOST_LAYERS = 200
 SUBSTEPS = 4  # of the integration in the search for it
 SAME_DIFFERENCE = 0.125  # [rad] of differences of headings that count as the same
 
-Way = tuple[tuple[float, float], ...]
-"""Steps in turn: the value of the steered coordinate, and 1 forward or -1 backward."""
+Way = tuple[tuple[float, float], ...]  # steered value; 1 forward, -1 backward
 
 
 @dataclass(frozen=True, eq=False)

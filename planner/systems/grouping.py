@@ -24,8 +24,7 @@ Commute = Callable[[str, str], bool]
 Pattern = tuple[str, ...]  # the fields of a word
 Joined = tuple[Pattern, Pattern, tuple[int, ...], list[tuple[int, list[int]]]]
 """Strata and fields of flows, the first place of each, and the others of some."""
-Costs = tuple[tuple[str, int], ...]
-"""Switches on the way to each stratum, beyond those to the cheapest."""
+Costs = tuple[tuple[str, int], ...]  # switches to each stratum, beyond the cheapest
 _flow = partial(tuple.__new__, Flow)  # a third of the time of calling it
 
 
@@ -38,8 +37,7 @@ class Arrangement:
     switches: int  # contact switches from the stratum before the pattern to `end`
 
 
-Links = dict[str, tuple[str, int, Arrangement]]
-"""Where each stratum is reached from, by which word and in which order."""
+Links = dict[str, tuple[str, int, Arrangement]]  # whence, by which word, how
 
 
 @dataclass(frozen=True, eq=False)

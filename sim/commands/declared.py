@@ -17,10 +17,8 @@ from sim.scenarios.settings import SETTINGS
 Declared = Mapping[str, Any]  # options by how they are used: help, a table, or `true`
 SIZES = 1e-6, 1e9  # of numbers in options
 
-COMMANDS = shipped_tables("sim.commands", "commands.toml")
-"""What is declared about each command, by its name, in the order of help."""
-GUESSES = shipped_tables("sim.commands", "guesses.toml")
-"""First guesses that a command line has not, and what is meant by them."""
+COMMANDS = shipped_tables("sim.commands", "commands.toml")  # in help's order
+GUESSES = shipped_tables("sim.commands", "guesses.toml")  # with what was meant
 BESIDE = "about", "shared", "every", "settings"  # the tables that declare no command
 ABOUT, SHARED, EVERY, OF_SCENARIOS = map(COMMANDS.pop, BESIDE)
 

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import argparse
 from collections import defaultdict
+from collections.abc import Sequence
 from dataclasses import replace
 from math import floor, log10, sqrt
 from pathlib import Path
+
+import numpy as np
 
 from models import shipped_robots
 from sim.commands import options as cli
@@ -31,6 +34,8 @@ def fit(options: argparse.Namespace) -> None:
     if options.out is not None:
         fitting.check_free(Path(options.out))
     setup, logs, walked = _sources(options)
+    for line in dict.fromkeys(line for log in logs for line in log.done):
+        cli.notice(line)
     walking = walked is not None if options.walking is None else options.walking
     fitted: dict[str, tuple[fitting.Value, fitting.Value]] = {}
     facts: dict[str, object] = {}
@@ -43,7 +48,7 @@ def fit(options: argparse.Namespace) -> None:
             both = zip(fit.joints, fit.before.tolist(), fit.after.tolist(), strict=True)
             kept = {joint: {"before": b, "after": a} for joint, b, a in both if b == b}
             facts["servos"] = {"unseen": fit.make.unseen(), "held_out": kept}
-            parts["servos"] = _of_servos(fit)
+            parts["servos"] = _of_servos(fit) | {"noise": _noise(angles)}
         if walked is not None:
             delay, _ = fitted.get("command_delay", (0.0, 0.0))
             with stage(progress, "fitting what moves the body"):
@@ -122,6 +127,13 @@ def _of_servos(fit: fitting.JointFit) -> dict[str, object]:
         unseen[words].append("all joints together")
     before, after = (sqrt((m[m == m] ** 2).mean()) for m in (fit.before, fit.after))
     return {"rows": rows, "unseen": unseen, "before": before, "after": after}
+
+
+def _noise(logs: Sequence[Log]) -> float:
+    """Of measured angles [rad], from third differences, which smooth motion has not."""
+    seen = (log.measured for log in logs if log.measured is not None)
+    rough = [np.diff(angles, 3, axis=0).ravel() for angles in seen]
+    return float(np.nanstd(np.concatenate(rough)) / sqrt(20))
 
 
 def _unit(parameter: Parameter) -> str:

@@ -73,7 +73,7 @@ def sweep(options: argparse.Namespace) -> ExitCode:
                 points, folder, workers, scheduler, mix=options.force_mix, show=show
             )
             for line in sweeping.write_run_folders(points, folder):
-                cli.notice(f"no run folder, {line}", "warning")
+                cli.notice(f"no run folder or film, {line}", "warning")
         return _print_result(options, result, folder.table)
 
 

@@ -245,5 +245,4 @@ FINDERS: Mapping[str, tuple[Finder, ...]] = {
     "drifted": (*SPOILING, *EXPLAINING),
     "slipped": (*SPOILING, *EXPLAINING),
     "arrived": (_bounced,),
-}
-"""Where to look for causes, by what became of the walk."""
+}  # where to look for causes, by what became of the walk

@@ -15,13 +15,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.polynomial import Polynomial
 
-from models import (
-    IdealTwists,
-    IdentifiedTwists,
-    MeasurementError,
-    QuasiStaticTwists,
-    TwistModel,
-)
+import models
 from models.contact import UPRIGHT
 from models.motion import FailedField, MeasuredField
 from planner import Array, Flow
@@ -45,7 +39,7 @@ STATIC = 3  # feet at most whose loads follow from the weight alone
 WAY_PARTS = 200  # parts of the way in which predictions are summed
 
 
-def identify(setup: Setup, progress: Progress = silent) -> IdentifiedTwists:
+def identify(setup: Setup, progress: Progress = silent) -> models.IdentifiedTwists:
     """Measure every loaded field of every stratum, or record why it is impossible."""
     equations, system = setup.equations, setup.equations.system
     fields: dict[str, MeasuredField] = {}
@@ -56,10 +50,10 @@ def identify(setup: Setup, progress: Progress = silent) -> IdentifiedTwists:
         stratum = system.stratum_of[name]
         try:
             fields[name] = confirmed(setup, name, measure(setup, stratum, name))
-        except (MeasurementError, SimulationError) as error:
+        except (models.MeasurementError, SimulationError) as error:
             failed[name] = FailedField(stratum, str(error))
     progress("measuring fields", 1.0)
-    return IdentifiedTwists(fields, failed)
+    return models.IdentifiedTwists(fields, failed)
 
 
 def confirmed(setup: Setup, name: str, field: MeasuredField) -> MeasuredField:
@@ -72,11 +66,11 @@ def confirmed(setup: Setup, name: str, field: MeasuredField) -> MeasuredField:
     way, pose = _stroke_back(setup, name, (farthest, field.span))
     if (came := np.abs(way).max()) < field.span / 2:
         what = "a stroke in the opposite direction came to"
-        raise MeasurementError(f"{what} {came:.2g} of {field.span:.2g} rad")
+        raise models.MeasurementError(f"{what} {came:.2g} of {field.span:.2g} rad")
     ways = np.linspace(0.0, came, WAY_PARTS)
     share = _shares(setup, field, ways, way, pose)
     if (worst := share[ways <= field.span].max()) > TOLERATED:
-        raise MeasurementError(message("departs", share=100 * worst))
+        raise models.MeasurementError(message("departs", share=100 * worst))
     beyond = np.flatnonzero(share > TOLERATED)
     reach = float(ways[beyond[0] - 1] if len(beyond) else ways[-1])
     return replace(field, reach=max(reach, field.span), off=float(worst))
@@ -129,13 +123,15 @@ def _check(setup: Setup, stratum: str, way: Moments) -> None:
     leaning = float(tilt(way.qpos, setup.robot.root_address_in(setup.model)).max())
     if leaning > UPRIGHT:
         angle = np.rad2deg(leaning)
-        raise MeasurementError(message("tilts", stratum=stratum, angle=angle))
+        raise models.MeasurementError(message("tilts", stratum=stratum, angle=angle))
     planned = setup.robot.planted(stratum)
     wrong = (way.contact != planned).mean(axis=0) > 0.5
     for leg, foot, down in zip(setup.robot.legs, wrong, planned, strict=True):
         if foot:
             where = "in the air" if down else "on the ground"
-            raise MeasurementError(f"on S{stratum} the foot of leg {leg} stays {where}")
+            raise models.MeasurementError(
+                f"on S{stratum} the foot of leg {leg} stays {where}"
+            )
 
 
 def whole_range(setup: Setup, direction: tuple[float, ...]) -> float:
@@ -189,12 +185,12 @@ def _stroke_back(
     for span in spans:
         try:
             way, pose, _ = swing(setup, name, -span)
-        except (MeasurementError, SimulationError) as error:
+        except (models.MeasurementError, SimulationError) as error:
             refusal = error
             continue
         order = np.argsort(way)
         return way[order], np.unwrap(pose[order], axis=0, period=2 * np.pi)
-    raise MeasurementError(message("not_confirmed", why=refusal))
+    raise models.MeasurementError(message("not_confirmed", why=refusal))
 
 
 def _shares(
@@ -242,9 +238,9 @@ def creep_floor(setup: Setup, duration: float) -> float:
     return after - begin + rate * (duration - stand)
 
 
-MODELS: Mapping[str, Callable[[Setup], TwistModel]] = {
-    "ideal": lambda setup: IdealTwists(setup.equations),
-    "quasi_static": lambda setup: QuasiStaticTwists(
+MODELS: Mapping[str, Callable[[Setup], models.TwistModel]] = {
+    "ideal": lambda setup: models.IdealTwists(setup.equations),
+    "quasi_static": lambda setup: models.QuasiStaticTwists(
         setup.kinematics, setup.ground, setup.limits.swing_speed
     ),
     "identified": lambda setup: identify(  # obstacles would disturb the experiments
@@ -256,7 +252,7 @@ MODELS: Mapping[str, Callable[[Setup], TwistModel]] = {
 
 
 @lru_cache(maxsize=len(MODELS))
-def twist_model(setup: Setup, name: str) -> TwistModel:
+def twist_model(setup: Setup, name: str) -> models.TwistModel:
     """A prediction's twist model, made when first asked for."""
     return MODELS[name](setup)
 

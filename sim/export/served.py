@@ -32,8 +32,7 @@ IN_PIECES: dict[str, tuple[str | int | None, ...]] = {
     "steer": ("ideal", "quasi-static", "identified"),
     "correct": (1,),
     "motion": (None,),
-}
-"""What settings for whole paths may be where each piece is planned on its own."""
+}  # what settings for whole paths may be where each piece is planned on its own
 
 
 class ServedWalk:

@@ -76,8 +76,7 @@ KINDS = {
     "mocap": Sensing(position=0.2e-3, yaw=radians(0.1), delay=0.01),
     "tag": Sensing(position=2e-3, yaw=radians(1.0), delay=0.033),
     "gyro": Sensing(position=inf, yaw=inf, gyro_noise=2e-4, gyro_drift=2e-4),
-}
-"""Kinds of sensors by the name that the setting `sense` gives."""
+}  # kinds of sensors by the name that the setting `sense` gives
 
 
 def sensing_of(settings: Settings) -> Sensing:

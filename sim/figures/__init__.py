@@ -7,5 +7,4 @@ beside the prediction.
 NAMES = (
     *("mechanism", "biped", "quadruped", "sequence", "panels"),
     *("stability", "line", "ellipse", "diagonal", "corridor"),
-)
-"""Their modules have `paper(axes)`, `metres(axes, walks)` and the `WALKS` of these."""
+)  # their modules have `paper(axes)`, `metres(axes, walks)` and the `WALKS` of these

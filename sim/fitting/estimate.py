@@ -20,11 +20,11 @@ UNSEEN = 0.5  # of the spread of a direction that measurements leave
 PART = 0.25  # of a direction, from which on a parameter takes part in it
 MOST_ROUNDS = 15  # of Gauss and Newton at most
 SETTLED = 0.02  # of standard errors, and of chi square; less ends the search
+CLEARLY = 1.02  # times as much is left over by estimates that are not as good
 LENGTHS = np.array([1.0, 0.3, 0.05])  # of a step, of which the best is taken
 LEAST_NOISE = 1e-6  # [rad], [m]; no sensor has less, and what is exact can be inverted
 
-Model = Callable[[Array], Array]
-"""Predictions (V, N, P) for variants of the parameters (V, P, K)."""
+Model = Callable[[Array], Array]  # (V, N, P) of variants of parameters (V, P, K)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -176,6 +176,18 @@ def estimate(
             break
         value = np.where(better[:, None], new, value)
     return found_so_far
+
+
+def best_of(found: Sequence[Estimates]) -> Estimates:
+    """Of each problem the first estimates, or others that leave over clearly less."""
+    noises = np.stack([one.noise for one in found])
+    noises[1:] *= CLEARLY
+    least = noises.argmin(axis=0), np.arange(noises.shape[1])
+    value, information, noise = (
+        np.stack([getattr(one, name) for one in found])[least]
+        for name in ("value", "information", "noise")
+    )
+    return replace(found[0], value=value, information=information, noise=noise)
 
 
 def _newton_step(matrix: Array, toward: Array, held: Array) -> Array:

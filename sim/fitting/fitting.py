@@ -13,6 +13,7 @@ import re
 import reprlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import product
 from pathlib import Path
 
@@ -23,7 +24,14 @@ from models import Robot
 from models.description import parse_toml, toml_text, without_tables
 from planner import Array
 from sim.errors import SimulationError, UsageError
-from sim.fitting.estimate import Estimates, estimate, parameters_of, pooled, together
+from sim.fitting.estimate import (
+    Estimates,
+    best_of,
+    estimate,
+    parameters_of,
+    pooled,
+    together,
+)
 from sim.fitting.servo_law import Commanded, known_servos, on_floor, on_stand
 from sim.folder import require_free, require_writable, whole
 from sim.logs.log import Log
@@ -45,8 +53,7 @@ LAST_FIT = re.compile(r"""[ \t]*\[[ \t]*(["']?)fitted\1[ \t]*[.\]]""")
 SHOWS = 2.0  # standard errors, below which backlash or delay is none
 ROUNDS = 3  # of walking on the floor, all but the first with servos as found
 Value = float | list[float]
-Fitted = Mapping[str, tuple[Value, Value]]
-"""Settings of scenarios by name, and their standard errors."""
+Fitted = Mapping[str, tuple[Value, Value]]  # settings, with standard errors
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,10 +158,9 @@ def fit_servos(
     commanded: Commanded, rows: Array, measured: Array, start: Array
 ) -> Estimates:
     """Servos of P joints, expected at (P, 6), from angles (N, P) at times (N,) [s]."""
-    guess = _scanned(commanded, rows, measured, start)
-    return estimate(
-        lambda tried: commanded.answers(tried, rows), measured, SERVO, start, guess
-    )
+    guesses = _scanned(commanded, rows, measured, start)
+    model = partial(commanded.answers, rows=rows)
+    return best_of([estimate(model, measured, SERVO, start, one) for one in guesses])
 
 
 def one_make(each: Estimates) -> tuple[Estimates, Estimates, Array]:
@@ -166,12 +172,17 @@ def one_make(each: Estimates) -> tuple[Estimates, Estimates, Array]:
 
 
 def _scanned(commanded: Commanded, rows: Array, measured: Array, start: Array) -> Array:
-    """Servos of a grid that leave over the least, (P, 6), each with its best zero."""
+    """Servos of a grid that leave over the least, each with its best zero, (2, P, 6).
+
+    One has backlash and one has none, the better one first: either may lead astray.
+    """
     grid = [*product(DAMPINGS, *LOOSE)]
     tried = np.tile(start, (len(grid), 1, 1))
     tried[..., 1:4] += np.array(grid)[:, None]
-    best, least = start.copy(), np.full(len(start), np.inf)
-    for servo, found in zip(tried, commanded.answers(tried, rows), strict=True):
+    both, all_least = np.stack([start, start]), np.full((2, len(start)), np.inf)
+    answers = commanded.answers(tried, rows)
+    for servo, found, (*_, slack) in zip(tried, answers, grid, strict=True):
+        best, least = both[int(slack > 0)], all_least[int(slack > 0)]
         for delay in np.arange(0.0, LONGEST_DELAY, APART):
             late = [np.interp(rows - delay, rows, angle) for angle in found.T]
             off = measured - np.stack(late, axis=1)
@@ -179,8 +190,8 @@ def _scanned(commanded: Commanded, rows: Array, measured: Array, start: Array) -
             better = left < least
             best[better] = servo[better]
             best[better, 4], best[better, 5] = zero[better], delay
-            least = np.minimum(left, least)
-    return best
+            least[better] = left[better]
+    return np.take_along_axis(both, all_least.argsort(axis=0)[..., None], axis=0)
 
 
 def card_text(robot: Robot, fitted: Fitted, sources: Sequence[str]) -> str:

@@ -34,6 +34,7 @@ LAW_STEP = 0.004  # [s] of the law, which is solved exactly in between
 KNOTS = 10  # steps from one evaluation of weights to the next
 GOING = 1.0  # [s] in which the robot goes from its start to the log's first row
 LIGHTEST = 1e-7  # [kg m^2]
+NEAR_RATE = 1.3  # ratio of rates of rows and of commands, below which these are those
 SETTLING = 0.5  # [s] that it then stands
 
 
@@ -123,7 +124,7 @@ def on_stand(setup: Setup, log: Log) -> Commanded:
         mujoco.mj_rne(model, data, 0, all_forces)
         weights[knot] = all_forces[dofs]
     load = np.stack([np.interp(time, knots, w) for w in weights.T], axis=1)
-    return Commanded(LAW_STEP, log.at(time), load, *_inertia(model, dofs))
+    return Commanded(LAW_STEP, _asked(setup, log, time), load, *_inertia(model, dofs))
 
 
 def on_floor(setup: Setup, model: mujoco.MjModel, log: Log, servos: Array) -> Commanded:
@@ -138,7 +139,8 @@ def on_floor(setup: Setup, model: mujoco.MjModel, log: Log, servos: Array) -> Co
     rows = np.tile(model.key("start").ctrl, (len(time), 1))
     part = np.clip((time + GOING + SETTLING) / GOING, 0, 1)[:, None]
     part = part * part * (3 - 2 * part)
-    rows[:, actuators] += part * (log.at(time) + servos[:, 4] - rows[:, actuators])
+    asked = _asked(setup, log, time) + servos[:, 4]
+    rows[:, actuators] += part * (asked - rows[:, actuators])
     engine = Engine(model)
     pieces = range(0, len(rows), STRETCH)
     records = [engine.advance(rows[i : i + STRETCH]) for i in pieces]
@@ -153,7 +155,13 @@ def on_floor(setup: Setup, model: mujoco.MjModel, log: Log, servos: Array) -> Co
     begins = np.arange(ahead, len(time), round(LAW_STEP / dt))
     counts = np.diff(np.append(begins, len(time)))[:, None]
     mean = np.add.reduceat(load, begins) / counts
-    return Commanded(LAW_STEP, log.at(time[begins]), mean, inertia, leg)
+    return Commanded(LAW_STEP, _asked(setup, log, time[begins]), mean, inertia, leg)
+
+
+def _asked(setup: Setup, log: Log, time: Array) -> Array:
+    """Commands at times, held from row to row where rows come as servos take them."""
+    a_row = setup.servo.rate * float(np.median(np.diff(log.time)))
+    return log.held(time) if 1 / NEAR_RATE < a_row < NEAR_RATE else log.at(time)
 
 
 def known_servos(setup: Setup, log: Log) -> tuple[Array, Array]:

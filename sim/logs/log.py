@@ -87,6 +87,12 @@ class Log:
         columns = [np.interp(time, self.time, angle) for angle in self.commanded.T]
         return np.stack(columns, axis=1)
 
+    def held(self, time: Array) -> Array:
+        """Commands at times (T,), held until the next one, whose mean they are then."""
+        ways = (time - SHORTEST_STEP / 2, time + SHORTEST_STEP / 2)
+        rows = [np.searchsorted(self.time, way, side="right") - 1 for way in ways]
+        return np.mean(self.commanded[np.maximum(rows, 0)], axis=0)
+
     def repeated(self, times: int) -> Log:
         """The same motion several times over; what was measured is left out.
 

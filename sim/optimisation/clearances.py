@@ -33,8 +33,7 @@ BASIS = np.stack([np.ones(3), np.cos(SWINGS), np.sin(SWINGS)], axis=-1)
 SAME_PLACE = 1e-7  # [m] between places that are taken for one
 BODY = -1  # in place of a leg's index
 
-Place = tuple[Expression, Expression]
-"""x, y in the body's frame [m], as numbers or as expressions."""
+Place = tuple[Expression, Expression]  # x, y in the body's frame [m]
 Sides = Sequence[tuple[Place, Place]]
 
 

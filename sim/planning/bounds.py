@@ -31,13 +31,7 @@ from sim.experiments.identification import twist_model
 from sim.motion.prediction import Predictor, inspections
 from sim.motion.stability import stability_margin
 from sim.obstacles.clearance import Surroundings, surroundings
-from sim.planning.open_loop import (
-    joined_plans,
-    open_loop_plans,
-    plan_segment,
-    segment_target,
-    split,
-)
+from sim.planning import open_loop
 from sim.preparation.scheduling import scheduled
 from sim.preparation.setup import Setup
 
@@ -71,9 +65,11 @@ def within_bounds(setup: Setup) -> tuple[Setup, Plan | None]:
             if scenario.replan:
                 stages = list(foresee(tried, known=known))
                 if scenario.steered_on == "ideal":
-                    planned = joined_plans(tried, [s.plan for s in stages if s.plan])
+                    planned = open_loop.joined_plans(
+                        tried, [s.plan for s in stages if s.plan]
+                    )
                 return foreseen(tried, stages)
-            for planned in open_loop_plans(tried):
+            for planned in open_loop.open_loop_plans(tried):
                 found = foreseen(tried, list(foresee(tried, planned)))
                 if any(slack.walking.min() < 0 for slack in found):
                     break
@@ -164,20 +160,23 @@ def foresee(
         schedule = scheduled(setup, planned.segments())
         yield ForeseenStretch(Predictor(schedule, twists, setup.kinematics))
         return
-    legs, (pose, swing) = setup.at_rest, split(setup, setup.nominal()(0.0))
+    legs, (pose, swing) = setup.at_rest, open_loop.split(setup, setup.nominal()(0.0))
     segments, known = setup.scenario.segments, {} if known is None else known
     for segment in range(segments):
         tick()
-        target, final = segment_target(setup, segment), segment + 1 == segments
+        target, final = (
+            open_loop.segment_target(setup, segment),
+            segment + 1 == segments,
+        )
         asked = pose.tobytes(), swing, target.tobytes(), final
-        step = known.get(asked) or plan_segment(setup, segment, pose, swing)
+        step = known.get(asked) or open_loop.plan_segment(setup, segment, pose, swing)
         known[asked] = step
         schedule = scheduled(setup, step.plan.segments(), legs, segment)
         predictor = Predictor(schedule, twists, setup.kinematics, tuple(pose))
         yield ForeseenStretch(predictor, step.fraction, step.plan)
         legs = schedule.end
         if setup.scenario.steered_on == "ideal":
-            pose, swing = split(setup, rollout(step.plan)[-1])
+            pose, swing = open_loop.split(setup, rollout(step.plan)[-1])
         elif schedule.phases:
             last = np.array([schedule.stop - schedule.start - 1])
             pose, swing = predictor.configurations(last)[0][0], legs.swing

@@ -12,16 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from models import (
-    SERVO_KINDS,
-    Equations,
-    Kinematics,
-    Mobility,
-    ModelError,
-    Robot,
-    equations,
-    mobility_of,
-)
+import models
 from models.adoption import servo_for
 from models.contact import lift_torques
 from models.description import actuator_of
@@ -41,12 +32,15 @@ Facts = dict[str, Any]
 def facts_of(setup: Setup) -> Facts:
     """Mass, legs, groups, fields and margins of a robot that is set up to walk."""
     robot, described = setup.robot, setup.equations
-    found, changed = mobility_of(robot, described), [*changes(robot, setup.scenario)]
+    found, changed = (
+        models.mobility_of(robot, described),
+        [*changes(robot, setup.scenario)],
+    )
     stands = setup.scenario, setup.kinematics, setup.limits.lift_angle, setup.world
     return _facts(*stands, described, found, changed)
 
 
-def inspected(scenario: Scenario, robot: Robot) -> Facts:
+def inspected(scenario: Scenario, robot: models.Robot) -> Facts:
     """Look at a robot; what keeps it from walking is listed, not refused.
 
     A robot that does not stand, or cannot do what a setting asks for, is refused.
@@ -54,21 +48,21 @@ def inspected(scenario: Scenario, robot: Robot) -> Facts:
     lacks, changed = list(overlaps(robot)), tuple(changes(robot, scenario))
     robot, missing = _with_servos(robot)
     lacks += missing
-    world, kinematics = build(robot, scenario), Kinematics(robot)
+    world, kinematics = build(robot, scenario), models.Kinematics(robot)
     angle = lift_angle(kinematics, scenario.lift_height)
     check_standing(kinematics, load_world(world), angle)
     described, found = None, None
     try:
-        described = equations(robot, scenario.fields)
-    except ModelError as refusal:
+        described = models.equations(robot, scenario.fields)
+    except models.ModelError as refusal:
         lacks.append(str(refusal))
     if described is not None:
-        found = mobility_of(robot, described)
+        found = models.mobility_of(robot, described)
         lacks += immobile(robot, found)
     return _facts(scenario, kinematics, angle, world, described, found, changed, lacks)
 
 
-def _servos(scenario: Scenario, kinematics: Kinematics, world: World) -> Facts:
+def _servos(scenario: Scenario, kinematics: models.Kinematics, world: World) -> Facts:
     """Servos as they are simulated, and the torque that walking asks of them [N m].
 
     It is that of the joint that bears most, at rest and with feet that slide. All walks
@@ -88,7 +82,9 @@ def _servos(scenario: Scenario, kinematics: Kinematics, world: World) -> Facts:
     drives = [actuator_of(model, joint) for joint in robot.card.joints]
     softest = float(model.actuator_gainprm[drives, 0].min())
     own = asked.name == "ideal" and softest < SOFT_STIFFNESS  # of the robot's file
-    makes = sorted((kind.stall_torque, name) for name, kind in SERVO_KINDS.items())
+    makes = sorted(
+        (kind.stall_torque, name) for name, kind in models.SERVO_KINDS.items()
+    )
     return {
         "name": "own" if own else asked.name,
         "stiffness": softest,
@@ -102,7 +98,7 @@ def _servos(scenario: Scenario, kinematics: Kinematics, world: World) -> Facts:
     }
 
 
-def _with_servos(robot: Robot) -> tuple[Robot, list[str]]:
+def _with_servos(robot: models.Robot) -> tuple[models.Robot, list[str]]:
     """The robot, given servos where its card has none, and a sentence about that."""
     without = joints_without_servo(robot)
     if not without or robot.card.servo is not None:
@@ -116,11 +112,11 @@ def _with_servos(robot: Robot) -> tuple[Robot, list[str]]:
 
 def _facts(
     scenario: Scenario,
-    kinematics: Kinematics,
+    kinematics: models.Kinematics,
     lift: float,
     world: World,
-    described: Equations | None,
-    found: Mobility | None,
+    described: models.Equations | None,
+    found: models.Mobility | None,
     changed: Sequence[str],
     lacks: Sequence[str] = (),
 ) -> Facts:

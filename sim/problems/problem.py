@@ -12,15 +12,7 @@ from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from typing import NamedTuple
 
-from planner import (
-    BoundError,
-    BudgetError,
-    ExtendedSystem,
-    Path,
-    Plan,
-    PlannerError,
-    RangeError,
-)
+import planner
 from planner.execution import Coordinates
 from planner.support import limited, unlimited
 from sim.errors import SimulationError, StratawalkError
@@ -38,7 +30,7 @@ Offer = tuple[str, Callable[[], float]]  # a change in words, and what is missed
 class Solution(NamedTuple):
     """A plan, and why it is the stratified one where an optimised one was asked for."""
 
-    plan: Plan
+    plan: planner.Plan
     fallback: str | None = None
 
 
@@ -50,17 +42,17 @@ class Problem(ABC):
     words: str  # flows of a segment: printed, shortest or symmetric
     segments: int
     plan_time: float  # [s], that planning may take
-    extended: ExtendedSystem
-    path: Path
+    extended: planner.ExtendedSystem
+    path: planner.Path
     coordinates: Coordinates
     is_exact: bool = False  # plans of any number of segments meet the goal
 
     @property
     @abstractmethod
-    def stratified(self) -> Plan:
+    def stratified(self) -> planner.Plan:
         """The plan by the algorithm of Sec. 5.2."""
 
-    def check(self, plan: Plan) -> None:  # noqa: B027 a system has no body to check
+    def check(self, plan: planner.Plan) -> None:  # noqa: B027 a system has no body to check
         """Refuse a plan that cannot be carried out, with a `SimulationError`."""
 
     @property
@@ -69,15 +61,15 @@ class Problem(ABC):
         return True
 
     @abstractmethod
-    def shortest(self) -> Plan:
+    def shortest(self) -> planner.Plan:
         """The best plan that the optimiser finds within tolerances and time."""
 
     @abstractmethod
-    def worth(self, plan: Plan) -> float:
+    def worth(self, plan: planner.Plan) -> float:
         """What is to be least, of a whole plan."""
 
     @abstractmethod
-    def miss(self, plan: Plan) -> float:
+    def miss(self, plan: planner.Plan) -> float:
         """How far a plan ends off the goal, as a share of the way there."""
 
     @abstractmethod
@@ -110,30 +102,32 @@ class Problem(ABC):
             other = self.stratified
         try:
             found = self._sound_shortest()
-        except (BoundError, BudgetError) as error:
+        except (planner.BoundError, planner.BudgetError) as error:
             return self._checked(other, str(error))
         if self.worth(found) < self.worth(other):
             return Solution(found)
         return self._checked(other, NO_SHORTER)
 
-    def _checked(self, plan: Plan, fallback: str | None = None) -> Solution:
+    def _checked(self, plan: planner.Plan, fallback: str | None = None) -> Solution:
         self.check(plan)
         return Solution(plan, fallback)
 
-    def _sound_shortest(self) -> Plan:
+    def _sound_shortest(self) -> planner.Plan:
         found = self.shortest()
         try:
             self.check(found)
         except SimulationError as error:
-            raise BoundError(f"the shortest plan found is refused: {error}") from error
+            raise planner.BoundError(
+                f"the shortest plan found is refused: {error}"
+            ) from error
         return found
 
-    def refusal(self, error: RangeError) -> PlannerError:
+    def refusal(self, error: planner.RangeError) -> planner.PlannerError:
         """The error of a plan that no number of segments makes fit, and what may."""
         found = tried(self._remedies(), math.inf, self.plan_time)
-        return PlannerError(f"{error}; what helps: {found}")
+        return planner.PlannerError(f"{error}; what helps: {found}")
 
-    def helps(self, plan: Plan) -> str:
+    def helps(self, plan: planner.Plan) -> str:
         """What would help a plan that ends far off its goal; empty for others."""
         if (miss := self.miss(plan)) <= FAR_OFF:
             return ""
@@ -188,9 +182,9 @@ def tried(offers: Iterable[Offer], miss: float, seconds: float) -> Trials:
         try:
             with limited(left):
                 reached = attempt()
-        except BudgetError:
+        except planner.BudgetError:
             break
-        except (PlannerError, StratawalkError, ValueError):
+        except (planner.PlannerError, StratawalkError, ValueError):
             reached = math.inf  # no plan at all
         if reached <= LEFT_BY_HELP * miss and reached < math.inf:
             found[change] = reached

@@ -16,18 +16,7 @@ from typing import get_args
 import numpy as np
 
 import models
-from planner import Execution, Flow, Plan, line, rollout
-from planner.optimisation import (
-    CHEAP,
-    FLOW_SAMPLES,
-    Criterion,
-    Objective,
-    Optimiser,
-    Task,
-    Tolerance,
-    cycle,
-    deviation,
-)
+from planner import Execution, Flow, Plan, line, optimisation, rollout
 from planner.planning import chained_form, set_down
 from sim.errors import UsageError
 from sim.problems.problem import Problem
@@ -36,7 +25,7 @@ LEAST_TOLERANCE = 0.01  # in sizes of the path, where the stratified plan deviat
 PLAN_TIME = 300.0  # [s]
 HOPS = 20  # from the best plan of each window
 PATH_POINTS = 1001  # that a plan's deviation is measured from
-OBJECTIVES: tuple[Objective, ...] = get_args(Objective)
+OBJECTIVES: tuple[optimisation.Objective, ...] = get_args(optimisation.Objective)
 
 
 class SystemProblem(Problem):
@@ -111,9 +100,9 @@ class SystemProblem(Problem):
     def shortest(self) -> Plan:
         """The shortest plan found that deviates no farther than the stratified one."""
         (objective,) = (known for known in OBJECTIVES if known == self.objective)
-        return Optimiser(
+        return optimisation.Optimiser(
             self._task,
-            Criterion(objective, duration),
+            optimisation.Criterion(objective, duration),
             self.extended,
             self.problem.path,
             self.segments,
@@ -122,14 +111,14 @@ class SystemProblem(Problem):
         ).plan()
 
     @cached_property
-    def _task(self) -> Task:
+    def _task(self) -> optimisation.Task:
         problem, system = self.problem, self.problem.system
         names = [str(symbol) for symbol in system.state]
-        stages = cycle(system, problem.elements)
+        stages = optimisation.cycle(system, problem.elements)
         raised = (stage for stage in stages if stage.stratum != system.bottom)
         airs = {recovery.field for stage in raised for recovery in stage.recoveries}
-        cheap = CHEAP if self.objective == "strokes" else 1.0
-        return Task(
+        cheap = optimisation.CHEAP if self.objective == "strokes" else 1.0
+        return optimisation.Task(
             system=system,
             stages=stages,
             tolerances=self._tolerances(),
@@ -137,7 +126,7 @@ class SystemProblem(Problem):
             price={name: cheap if name in airs else 1.0 for name in system.fields},
         )
 
-    def _tolerances(self) -> tuple[Tolerance, ...]:
+    def _tolerances(self) -> tuple[optimisation.Tolerance, ...]:
         """The stratified plan's own deviations, of x and y together and of the rest."""
         names = [str(s) for s in self.problem.system.state]
         legs = {i for i, _ in self.extended.shape.recoveries.values()}
@@ -148,10 +137,14 @@ class SystemProblem(Problem):
         groups += [[i] for i in compared if i not in (*place, *freed)]
         groups += [[i] for i in freed]
         points = self.problem.path.at(np.linspace(0.0, 1.0, PATH_POINTS))
-        found = deviation(rollout(self.stratified, FLOW_SAMPLES), points, groups)
+        found = optimisation.deviation(
+            rollout(self.stratified, optimisation.FLOW_SAMPLES), points, groups
+        )
         least = LEAST_TOLERANCE * float(np.abs(points - points[0]).max())
         return tuple(
-            Tolerance(tuple(group), inf if group[0] in freed else max(most, least))
+            optimisation.Tolerance(
+                tuple(group), inf if group[0] in freed else max(most, least)
+            )
             for group, most in zip(groups, found, strict=True)
         )
 

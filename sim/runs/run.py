@@ -15,14 +15,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from models import Card
-from models.description import (
-    compile_model,
-    inspect_model,
-    parse_card,
-    parse_toml,
-    read_spec,
-)
+from models import Card, description
 from planner import Array
 from planner.support import open_file, read_file, read_text
 from sim.errors import UsageError
@@ -83,13 +76,15 @@ class Run:
         """MJCF file of robot and world, which has been found fit to be compiled."""
         path = self.folder / "model.xml"
         if not self.inspected:
-            inspect_model(path, remedy="walk the scenario again")
+            description.inspect_model(path, remedy="walk the scenario again")
         return path
 
     @cached_property
     def model(self) -> mujoco.MjModel:
         """Robot and world, compiled; the states of the run are states of it."""
-        model = compile_model(read_spec(self.model_file), str(self.model_file))
+        model = description.compile_model(
+            description.read_spec(self.model_file), str(self.model_file)
+        )
         self.require_width(self.qpos, model.nq)
         self.require_width(self.qvel, model.nv)
         return model
@@ -109,7 +104,7 @@ class Run:
     @cached_property
     def card(self) -> Card:
         """The robot's card, as it was simulated."""
-        return parse_card(self.card_text, str(self.folder / "model.toml"))
+        return description.parse_card(self.card_text, str(self.folder / "model.toml"))
 
     @cached_property
     def walking(self) -> slice:
@@ -258,10 +253,10 @@ def read_run(folder: Path, *, inspected: bool = False) -> Run:
     with reading(folder):
         open_file(folder / "model.xml").close()  # without which nothing can be shown
         card = read_text(folder / "model.toml")
-        feet = len(parse_card(card, str(folder / "model.toml")).legs)
+        feet = len(description.parse_card(card, str(folder / "model.toml")).legs)
         run = Run(
             folder=folder.resolve(),
-            settings=parse_toml(read_text(folder / "scenario.toml")),
+            settings=description.parse_toml(read_text(folder / "scenario.toml")),
             card_text=card,
             summary=Summary.read(plain_json(read_file(folder / "summary.json"))),
             phases=flows.read(read_text(folder / "flows.csv")),

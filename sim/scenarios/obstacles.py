@@ -38,8 +38,7 @@ FORMS: Mapping[str, tuple[object, str]] = {
     "yaw": (Finite, "an angle [rad]"),
     "thickness": A_LENGTH,
     "height": A_LENGTH,
-}
-"""Kinds of values by their keys, and what is wanted where a value is none."""
+}  # kinds of values by their keys, and what is wanted where a value is none
 
 
 @dataclass(frozen=True)

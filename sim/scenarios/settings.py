@@ -273,8 +273,7 @@ _KINDS = get_type_hints(Settings, include_extras=True)
 SETTINGS: Mapping[str, Setting] = {
     item.name: Setting(item.name, _KINDS[item.name], item.default, **item.metadata)
     for item in fields(Settings)
-}
-"""What is declared about every setting, by its name."""
+}  # what is declared about every setting, by its name
 FORMER = {item.formerly: name for name, item in SETTINGS.items() if item.formerly}
 """The names of settings by those that they had before."""
 IMPERFECTIONS = tuple(name for name, item in SETTINGS.items() if item.imperfection)

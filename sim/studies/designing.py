@@ -29,6 +29,7 @@ WITHOUT = ("identified", "compliant", "creep_floor")
 DIRECTIONS = ("ahead", "aside", "round")
 SAME_MOTION = 1e-3  # of the larger motion; what two strokes differ by is rounding
 STANDING = 3  # feet that a body can stand on
+STILL = 1e-4  # [m], [rad] a radian; gains of locked legs alone make less
 LOCKED = 1e-6  # of the group's angle; a card knows no gain of 0
 Signs = Mapping[int, int]  # leg -> way that it swings, 0 where it is locked
 
@@ -111,6 +112,7 @@ def directions(
     first, second = twists
     if first is None or second is None:
         return ()
+    first, second = (t * (np.abs(t).max() > STILL) for t in (first, second))
     (x, y, turn), (u, v, spin) = first, second  # forward, left and yaw
     bracket = np.array([turn * -v + spin * y, turn * u - spin * x, 0.0])
     _, size, ways = np.linalg.svd(np.array([first, second, bracket]))

@@ -29,8 +29,7 @@ from sim.sweeps.folder import SIDE_BY_SIDE, SweepFolder
 from sim.sweeps.table import read_table
 from sim.templates import render
 
-LIMITS = (0.01, 0.03, 0.10)
-"""Shares of the path within which predictions hold."""
+LIMITS = (0.01, 0.03, 0.10)  # shares of the path within which predictions hold
 MOST = 1e12  # in any number of a table
 SHORTEST = 1e-9  # way that a walk can be off by a share of [m]
 SEPARATE = 12  # values, of which each is a group of its own

@@ -30,12 +30,12 @@ RANGE = {"from", "to", "count", "scale"}
 LINEAR, LOGARITHMIC = "linear", "log"
 LAST_END = 1e100  # between ends beyond it there may be no numbers
 MOST_POINTS = 50_000  # of a sweep; checking them takes some ten seconds
+MOST_TEXT = 10**8  # bytes of the scenarios of all points, checked in half a minute
 WHOLE = {name for name, item in SETTINGS.items() if item.includes(int)}
 STUDIES = Path(str(files("sim.studies")))
 TABLES = ("set", "grid", "list", "sobol", "keep")
 KEYS = ("scenario", "without", *TABLES)
-MEASURES = ("identified", "compliant", "creep_floor")
-"""What a sweep may leave out, since each costs physics of its own."""
+MEASURES = ("identified", "compliant", "creep_floor")  # each costs physics
 
 
 @dataclass(frozen=True)
@@ -51,8 +51,9 @@ class Sweep:
     filmed: bool = False  # whether these folders get films
 
     def __post_init__(self) -> None:
-        if (count := _count(self.blocks)) > MOST_POINTS:
-            facts = {"count": count, "most": MOST_POINTS}
+        count, size = _count(self.blocks), len(repr((self.scenario, self.fixed)))
+        if count > (most := min(MOST_POINTS, MOST_TEXT // size)):
+            facts = {"count": count, "most": most}
             raise UsageError.of("points", f"sweep {self.name!r}", **facts)
 
     def __len__(self) -> int:

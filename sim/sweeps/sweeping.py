@@ -10,6 +10,7 @@ import shutil
 from collections import Counter
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
+from itertools import count
 from pathlib import Path
 
 from models import load, shipped_robots
@@ -168,8 +169,8 @@ def carry_on(
 def write_run_folders(points: Points, folder: SweepFolder) -> list[str]:
     """Walk the chosen points once more, each into a run folder of its own.
 
-    Those that are complete, and of what the point is now, are left alone. The result
-    says what went wrong with which point.
+    Those that are complete, and of what the point is now, are left alone, or filmed;
+    others of finished walks are set aside. The result says what went wrong with which.
     """
     own, wrong = RunFolder(folder.path), []
     if (runs := (own.path / run_folder(0)).parent).is_symlink():
@@ -182,11 +183,17 @@ def write_run_folders(points: Points, folder: SweepFolder) -> list[str]:
             if point not in points.tables:
                 continue
             now = {"of": points.digests[point], "varied": points.sweep.varied(point)}
-            if (at / last).exists() and point_in(at) == json.loads(json.dumps(now)):
+            same = point_in(at) == json.loads(json.dumps(now))
+            if same and (at / last).exists():
                 continue
-            shutil.rmtree(at, ignore_errors=True)
             scenario = scenario_from(points.tables[point], {}, f"point {point}")
             try:
+                if same and (at / "summary.json").exists():
+                    from sim.pictures.run_film import film_folder
+
+                    film_folder(at)
+                    continue
+                _clear(at)
                 inner = own.inner(run_folder(point))
                 run(scenario, inner, look=look, without=points.sweep.without)
                 inner.write_json(POINT, now)
@@ -195,6 +202,15 @@ def write_run_folders(points: Points, folder: SweepFolder) -> list[str]:
             except Exception as error:  # its reason stands in the table as well
                 wrong.append(f"point {point}: {one_line(error)}")
     return wrong
+
+
+def _clear(folder: Path) -> None:
+    """Remove a walk that was not finished, and set aside what else has its name."""
+    if (folder / "scenario.toml").exists() and not (folder / "summary.json").exists():
+        shutil.rmtree(folder, ignore_errors=True)
+    elif folder.exists():
+        others = (folder.with_suffix(f".{number}") for number in count(1))
+        folder.rename(next(path for path in others if not path.exists()))
 
 
 def merge(sources: Sequence[Path], out: Path) -> tuple[Result, Path]:
@@ -214,11 +230,15 @@ def merge(sources: Sequence[Path], out: Path) -> tuple[Result, Path]:
     missing = [point for point, code in points.digests.items() if code not in known]
     if missing:
         few = ", ".join(map(str, missing[:5])) + ", ..." * (len(missing) > 5)
-        what = f"{len(missing)} of {len(points.digests)} points are missing: {few}"
         part = ["--shard", shard] if (shard := missing_shard(sources)) else []
         on = command("sweep", "FILE.toml", "--out", sources[0], *part, "--resume")
-        remedy = f"walk them with its file, {on}, or name the other shards"
-        raise UsageError(what, ", ".join(map(str, sources)), remedy)
+        facts = {
+            "count": len(missing),
+            "all": len(points.digests),
+            "few": few,
+            "on": on,
+        }
+        raise UsageError.of("lacking_points", ", ".join(map(str, sources)), **facts)
     ensure_folder(out)
     with sole_owner(folder.lock), opened(folder.ledger) as ledger:
         written = read_ledger(folder.ledger)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+import resource
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +23,9 @@ GROUP_ROWS = 10_000  # any other number gives other bytes
 UNPACKED = 5 * 10**8  # bytes of a table that is read, with all that it repeats once
 TEXT = 5  # times as much memory is taken by a byte of text
 HEAD = 365  # bytes of a column without values
-MOST_VALUES = 4 * 10**7
+MOST_VALUES, MOST_ROWS = 4 * 10**7, 200_000  # of 8 legs there are 144,088 designs
+MEMORY = 10**9  # bytes of addresses that reading one may take, beside those reserved
+PLAIN = (pa.bool_(), pa.int64(), pa.float64(), pa.string(), pa.null())
 ABOUT = "stratawalk"  # key of the metadata
 Row = Mapping[str, object]
 
@@ -66,20 +70,38 @@ def read_table(path: Path) -> tuple[dict[str, list[object]], dict[str, Any]]:
         sizes = [(p.total_uncompressed_size, p.physical_type) for p in parts]
         sizes.append((declared.serialized_size, "BYTE_ARRAY"))
         size = sum(n * (TEXT if kind == "BYTE_ARRAY" else 1) for n, kind in sizes)
-        if size > UNPACKED or declared.num_rows * declared.num_columns > MOST_VALUES:
+        most = MOST_VALUES // max(declared.num_columns, 1)
+        if size > UNPACKED or declared.num_rows > min(most, MOST_ROWS):
             count = f"{declared.num_rows} x {declared.num_columns} values"
             raise ValueError(f"{count} with {size / 1e9:.2g} GB are too many")
-        texts = [f.name for f in parquet.read_schema(path) if f.type == pa.string()]
-        table = parquet.read_table(path, read_dictionary=texts)
+        schema = parquet.read_schema(path)
+        if others := {str(field.type) for field in schema if field.type not in PLAIN}:
+            raise ValueError(f"columns of {min(others)[:40]} are none of a sweep")
+        texts = [field.name for field in schema if field.type == pa.string()]
+        with _bounded():
+            table = parquet.read_table(path, read_dictionary=texts)
         about = json.loads((table.schema.metadata or {}).get(ABOUT.encode(), "null"))
         columns = {name: _values(table[name]) for name in table.column_names}
-    except (pa.ArrowException, OSError, *UNREADABLE) as error:
+    except (pa.ArrowException, OSError, MemoryError, *UNREADABLE) as error:
         why = str(error).partition(". ")[0]
         if isinstance(error, pa.ArrowException | OSError):
             damaged = "it is damaged, or no Parquet file"
             why = getattr(error, "strerror", None) or damaged
         raise UsageError.of("no_table", path, why=why) from error
     return columns, about
+
+
+@contextmanager
+def _bounded() -> Iterator[None]:
+    """Let this process take so much more memory, for a file may lie about its size."""
+    kind, (soft, hard) = resource.RLIMIT_AS, resource.getrlimit(resource.RLIMIT_AS)
+    now = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+    most = now + MEMORY if hard == resource.RLIM_INFINITY else min(now + MEMORY, hard)
+    resource.setrlimit(kind, (most, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(kind, (soft, hard))
 
 
 def _values(column: pa.ChunkedArray) -> list[object]:

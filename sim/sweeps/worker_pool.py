@@ -28,15 +28,8 @@ from sim.interruption import deaf
 from sim.preparation.shared import Shared
 from sim.scenarios.file import scenario_from
 from sim.simulation import simulate
-from sim.sweeps.ledger import (
-    OK,
-    Outcome,
-    alike,
-    differences,
-    digest,
-    files_of,
-    software,
-)
+from sim.sweeps import ledger
+from sim.sweeps.ledger import OK, Outcome, software
 
 try:
     import dask
@@ -63,8 +56,7 @@ QUIET = {
 }
 SOFTWARE = "__import__('sim.sweeps.ledger', fromlist=['*']).software()"
 """A question that a worker can take in, and answer, without this package."""
-GONE = (KilledWorker, NoValidWorkerError, NoWorkerError)
-"""What Dask says of work whose worker is no more."""
+GONE = (KilledWorker, NoValidWorkerError, NoWorkerError)  # as Dask tells of the dead
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +72,8 @@ class Task:
         code, left_out = self.digest, self.without
         try:
             scenario = scenario_from(self.table, {}, "the sweep")
-            shared, code = _shared(files_of(scenario)), digest(scenario, left_out)
+            shared = _shared(ledger.files_of(scenario))
+            code = ledger.digest(scenario, left_out)
             summary = simulate(scenario, without=left_out, shared=shared).summary
         except Exception as error:  # any failure of a point is one of its results
             return Outcome(code, one_line(error), software=software())
@@ -175,7 +168,7 @@ class WorkerPool:
             return
         if (found := self._fetched(worker, answer)) is None:
             del self.asked[worker]
-        elif differ := differences(*alike(software(), found)):
+        elif differ := ledger.differences(*ledger.alike(software(), found)):
             self.refused[worker] = ", ".join(differ).replace("now", "there")
         else:
             self.accepted.add(worker)

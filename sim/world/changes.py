@@ -38,7 +38,7 @@ def changes(robot: Robot, scenario: Scenario) -> Iterator[str]:
         "springs": [*undamped_joints(robot, asked)],
         "wide": [foot.name for foot in feet if foot.margin or foot.gap],
         "lifted": [body.name for body in spec.bodies if body.gravcomp],
-        "tendons": [t.name or "unnamed" for t in spec.tendons if _pulls(t)],
+        "ties": [t.name for t in spec.tendons if any((*t.stiffness, *t.range))],
         "leaning": ["gravity"] if any(spec.option.gravity[:2]) else [],
         "loose": loose_joints(robot),
         "pairs": sorted({p.geomname1 for p in pairs} | {p.geomname2 for p in pairs}),
@@ -52,11 +52,6 @@ def changes(robot: Robot, scenario: Scenario) -> Iterator[str]:
     if own and scenario.foot_friction is None:
         words = ", ".join(f"{mu:g}" for mu in own)
         yield MESSAGES["friction"].format(own=words, friction=scenario.friction)
-
-
-def _pulls(tendon: mujoco.MjsTendon) -> bool:
-    own = *tendon.stiffness, *tendon.damping, tendon.frictionloss, *tendon.range
-    return bool(np.any(own))
 
 
 def overlaps(robot: Robot) -> Iterator[str]:

@@ -225,7 +225,7 @@ def test_ctrl_c_ends_the_search_of_a_solver_that_swallows_it(listening, capfd):
 def test_files_being_written_are_removed_before_an_end_at_once(tmp_path):
     with whole_file(tmp_path / "a.txt") as part:
         part.write_text("half")
-        interruption.remove_unfinished()
+        interruption.support.remove_unfinished()
         assert not part.exists()
         part.write_text("whole")
     assert [path.name for path in tmp_path.iterdir()] == ["a.txt"]

@@ -47,7 +47,8 @@ def test_the_body_is_fitted_to_a_walk_whose_commands_came_late(
 ):
     """By the delay of the servos, where one was found."""
     setup, asked = SimpleNamespace(robot=hexapod), []
-    log = SimpleNamespace(measured=None if not late else 1)
+    angles = np.zeros((9, 1)) if late else None
+    log = SimpleNamespace(measured=angles, done=())
     sources = setup, [log], Course(np.array([1.0, 2.0]))
     servos = SimpleNamespace(
         settings=lambda _: {"command_delay": (late, 0.001)},
@@ -56,7 +57,7 @@ def test_the_body_is_fitted_to_a_walk_whose_commands_came_late(
     )  # fmt: skip
     monkeypatch.setattr(command, "_sources", lambda _: sources)
     monkeypatch.setattr(command.fitting, "fit_joints", lambda *_: servos)
-    monkeypatch.setattr(command, "_of_servos", lambda _: None)
+    monkeypatch.setattr(command, "_of_servos", lambda _: {})
 
     def fit_poses(walked):
         asked.append(walked.times.tolist())

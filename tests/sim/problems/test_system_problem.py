@@ -9,11 +9,11 @@ import pytest
 
 from models import shipped_system
 from planner import Flow, rollout
-from planner.optimisation import CHEAP, deviation
+from planner.optimisation import CHEAP, FLOW_SAMPLES, deviation
 from sim import cli
 from sim.errors import UsageError
 from sim.problems import system as library
-from sim.problems.system import FLOW_SAMPLES, SystemProblem
+from sim.problems.system import SystemProblem
 
 ROUNDED = 1.0 + 1e-6  # between the points at which it is looked at
 ALONG = np.linspace(0.0, 1.0, 1001)

@@ -3,6 +3,7 @@
 import pytest
 
 from sim.errors import FilesError, UsageError
+from sim.pictures import run_film
 from sim.sweeps import sweeping
 from sim.sweeps.file import read_sweep
 from sim.sweeps.folder import Shard, SweepFolder, sole_owner
@@ -55,8 +56,31 @@ def test_a_folder_of_what_the_point_was_before_is_walked_anew(walked, tmp_path):
     assert walked("false", "summary.json") == ["point-00000"]
 
 
-def test_a_walk_whose_film_is_missing_is_not_complete(walked):
-    assert walked("true", "summary.json") == ["point-00000"]
+def test_a_finished_walk_whose_film_is_missing_is_filmed_where_it_is(
+    walked, tmp_path, monkeypatch
+):
+    filmed, runs = [], tmp_path / "out" / "runs"
+    monkeypatch.setattr(run_film, "film_folder", filmed.append)
+    assert walked("false") == ["point-00000"]
+    (runs / "point-00000" / "notes.md").write_text("mine")
+    assert walked("true", "summary.json") == []
+    assert filmed == [runs / "point-00000"]
+    assert (runs / "point-00000" / "notes.md").read_text() == "mine"
+
+
+def test_what_the_user_has_put_there_is_set_aside_and_an_unfinished_walk_removed(
+    walked, tmp_path
+):
+    runs = tmp_path / "out" / "runs"
+    assert walked("false", "notes.md") == ["point-00000"]
+    assert walked("false", "summary.json", "notes.md", "scenario.toml") == []
+    (runs / "point-00000" / "point.json").unlink()
+    assert walked("false") == ["point-00000"]
+    assert {path.parent.name for path in runs.glob("*/notes.md")} == {
+        "point-00000.1", "point-00000.2",
+    }  # fmt: skip
+    assert walked("false", "scenario.toml") == ["point-00000"]
+    assert len([*runs.iterdir()]) == 3
 
 
 def test_one_process_at_a_time_makes_run_folders(walked, tmp_path):
