@@ -99,7 +99,7 @@ def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | No
             raise UsageError.of("other_joints", path, first=paths[0])
     logs = [ordered(log, logs[0].joints) for log in logs]
     if run is not None:
-        return prepare(scenario, robot), logs, walked_of_run(run)
+        return prepare(scenario, robot), logs, None if held else walked_of_run(run)
     setup = prepare(scenario, robot, log=logs[0])
     try:
         posed = logs[0].pose is not None and not held

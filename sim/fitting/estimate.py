@@ -183,11 +183,9 @@ def best_of(found: Sequence[Estimates]) -> Estimates:
     noises = np.stack([one.noise for one in found])
     noises[1:] *= CLEARLY
     least = noises.argmin(axis=0), np.arange(noises.shape[1])
-    value, information, noise = (
-        np.stack([getattr(one, name) for one in found])[least]
-        for name in ("value", "information", "noise")
-    )
-    return replace(found[0], value=value, information=information, noise=noise)
+    names = "value", "information", "noise"
+    best = {name: np.stack([getattr(one, name) for one in found]) for name in names}
+    return replace(found[0], **{name: of_all[least] for name, of_all in best.items()})
 
 
 def _newton_step(matrix: Array, toward: Array, held: Array) -> Array:

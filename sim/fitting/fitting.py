@@ -172,10 +172,7 @@ def one_make(each: Estimates) -> tuple[Estimates, Estimates, Array]:
 
 
 def _scanned(commanded: Commanded, rows: Array, measured: Array, start: Array) -> Array:
-    """Servos of a grid that leave over the least, each with its best zero, (2, P, 6).
-
-    One has backlash and one has none, the better one first: either may lead astray.
-    """
+    """Best servos of a grid, with backlash and without, the better first, (2, P, 6)."""
     grid = [*product(DAMPINGS, *LOOSE)]
     tried = np.tile(start, (len(grid), 1, 1))
     tried[..., 1:4] += np.array(grid)[:, None]

@@ -128,7 +128,8 @@ def _turned(pose: Array, predicted: Array) -> float:
     one, other = (way[:, 0] + 1j * way[:, 1] for way in ways)
     if min(np.abs(one).sum(), np.abs(other).sum()) < MOVED_ENOUGH:
         return 0.0
-    return float(wrap(np.angle((np.conj(one) * other).sum())))
+    read = np.abs(other) <= 10 * np.abs(one).max() + MOVED_ENOUGH  # others are misread
+    return float(wrap(np.angle((np.conj(one) * other)[read].sum())))
 
 
 def _body(log: Log) -> Array:
@@ -164,7 +165,7 @@ def _finite(time: Array, when: Array, rows: Array, held: bool = True) -> Array:
     found = np.full((len(time), rows.shape[1]), np.nan)
     for number, column in enumerate(rows.T):
         if (there := np.isfinite(column)).any():
-            known = np.unwrap(column[there]) if number == 2 else column[there]
+            known = np.unwrap(column[there]) if number >= 2 else column[there]
             found[:, number] = np.interp(time, when[there], known)
             end = np.inf if held else when[there][-1] + np.diff(time).max()
             found[time > end, number] = np.nan

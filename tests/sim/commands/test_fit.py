@@ -13,6 +13,7 @@ from sim.commands.fit import fit
 from sim.errors import UsageError
 from sim.fitting.estimate import Estimates, Parameter
 from sim.logs.log import Log
+from sim.templates import render
 
 
 @dataclass(frozen=True)
@@ -57,7 +58,8 @@ def test_the_body_is_fitted_to_a_walk_whose_commands_came_late(
     )  # fmt: skip
     monkeypatch.setattr(command, "_sources", lambda _: sources)
     monkeypatch.setattr(command.fitting, "fit_joints", lambda *_: servos)
-    monkeypatch.setattr(command, "_of_servos", lambda _: {})
+    shown = {"rows": [], "unseen": {}, "before": 0.0, "after": 0.0}
+    monkeypatch.setattr(command, "_of_servos", lambda _: shown)
 
     def fit_poses(walked):
         asked.append(walked.times.tolist())
@@ -94,6 +96,21 @@ def test_a_run_is_of_its_own_robot_unless_another_is_named(monkeypatch, tmp_path
     assert refused(str(tmp_path), **slow) == again
     assert refused("hexapod", str(tmp_path), **slow) == again
     assert loaded == ["quadruped", "hexapod"]
+
+
+@pytest.mark.parametrize("walking", [None, True, False])
+def test_poses_of_a_run_on_a_stand_are_not_fitted(monkeypatch, tmp_path, walking):
+    run = SimpleNamespace(scenario=SimpleNamespace(robot="hexapod"), card=1)
+    monkeypatch.setattr(command, "read_run", lambda _: run)
+    log = logged(pose=np.zeros((2, 3)), measured=np.ones((2, 2)))
+    monkeypatch.setattr(command, "log_of", lambda _: log)
+    monkeypatch.setattr(command.cli, "robot_of", lambda *_: None)
+    monkeypatch.setattr(command.cli, "reader_of", lambda *_: None)
+    monkeypatch.setattr(command.fitting, "check_measured", lambda *_: None)
+    monkeypatch.setattr(command, "prepare", lambda *_: None)
+    monkeypatch.setattr(command, "walked_of_run", lambda _: "walked")
+    _, _, walked = command._sources(options(str(tmp_path), walking=walking))
+    assert walked == (None if walking is False else "walked")
 
 
 def test_poses_that_cannot_be_fitted_are_refused_with_their_log(monkeypatch, hexapod):
@@ -156,3 +173,17 @@ def test_logs_of_one_fit_are_brought_into_one_order_and_none_is_passed_over(
         what, where = refused("hexapod", *given)
         assert what.startswith("no joint was measured, and only poses of a first log")
         assert where == "poses"
+
+
+def test_a_fit_that_misses_more_than_the_noise_of_its_log_says_so():
+    """Noise is told from a smooth motion by what no smooth motion has."""
+    time = np.arange(0, 8, 0.01)
+    noise = np.random.default_rng(1).normal(0, np.radians(0.05), (len(time), 1))
+    log = Log(time, ("a",), noise, measured=np.sin(3 * time)[:, None] + noise)
+    found = command._noise([log, log])
+    assert found == pytest.approx(np.radians(0.05), rel=0.1)
+    told = {"rows": [], "unseen": {}, "before": 1.0, "noise": found}
+    for after, misses in ((1.4 * found, False), (1.7 * found + 1e-4, True)):
+        told["after"] = after
+        text = render("fit.txt", body=None, written=None, servos=told)
+        assert ("times the noise of the log" in text) == misses

@@ -282,3 +282,13 @@ def test_a_servo_bears_nothing_within_its_dead_band_and_beyond_it_the_rest(monke
     still = servos(np.full(3, 50.0), np.full(3, 1.0))
     load = on_floor(setup, model, log, still).load
     assert load[-1] == pytest.approx([0.0, -50 * 0.02, 50 * 0.02], abs=1e-9)
+
+
+@pytest.mark.parametrize(("rows", "held"), [(62.5, True), (59.84, True), (50, False)])
+def test_rows_that_come_as_servos_take_commands_are_held(rows, held):
+    """Taken for a slope, steps would come half a row late, and be called a delay."""
+    setup = SimpleNamespace(servo=SimpleNamespace(rate=59.84))
+    time = np.arange(6) / rows
+    log = Log(time, ("a",), np.arange(6.0)[:, None])
+    asked = servo_law._asked(setup, log, np.array([1.25, 2.0, 2.75, 9.0]) / rows)
+    assert asked[:, 0] == pytest.approx([1, 1.5, 2, 5] if held else [1.25, 2, 2.75, 5])

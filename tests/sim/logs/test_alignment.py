@@ -36,6 +36,21 @@ def test_a_camera_whose_axes_are_turned_against_the_yaw_is_turned_back_and_said(
     assert said.startswith("its frame is turned by 40.1 degrees against the robot")
 
 
+def test_a_pose_that_was_misread_once_turns_no_frame():
+    wild = WAY.copy()
+    wild[20] = 5.0, 5.0, 2.0
+    assert not any("turned" in said for said in measured(log(wild), TIME, WAY).done)
+
+
+def test_a_sensor_that_is_upside_down_rolls_across_the_half_turn():
+    """Its numbers jump from one half turn to the other, and it does not."""
+    roll = np.pi + 0.01 * np.sin(TIME)
+    wrapped = (roll + np.pi) % (2 * np.pi) - np.pi
+    lean = np.stack([wrapped, 0 * TIME], axis=1)
+    seen = measured(replace(log(WAY), lean=lean), TIME, WAY)
+    np.testing.assert_allclose(seen.lean["roll"], 0.01 * np.sin(TIME), atol=1e-12)
+
+
 def test_a_robot_that_veers_is_not_turned_back():
     veering = np.stack([0.1 * np.sin(TIME), 0.1 * (1 - np.cos(TIME)), TIME], axis=1)
     straight = np.stack([0.1 * TIME, 0 * TIME, 0 * TIME], axis=1)

@@ -47,7 +47,7 @@ FOREIGN = {
         lambda path: parquet.write_table(pa.table(column("friction")), path),
         "does not say what varies: ",
     ),
-    "a judge in a list": (of("weighed.prediction", [["a"]] * 3), "0 of column 'weigh"),
+    "a judge in a list": (of("weighed.prediction", [["a"]] * 3), "list<element: str"),
     "numbers for settings": (
         foreign(column("friction"), asked={"vary": {"friction": []}, "set": 3}),
         "",
@@ -67,7 +67,7 @@ FOREIGN = {
     ),
     "lists for numbers": (
         of("path_length", [[1.0]] * 3),
-        "row 0 of column 'path_length' = [1.0] is not allowed",
+        "columns of list<element: double> are none of a sweep",
     ),
     "a length below 0": (of("path_length", [0.1, -1.0, 0.1]), "row 1 of column 'path_"),
     "truths for numbers": (of("path_length", [True] * 3), "'path_length' = True is no"),
@@ -75,13 +75,17 @@ FOREIGN = {
     "an endless distance": (of(FARTHEST_OFF, [0.1, np.inf, 0.1]), "give numbers from"),
     "statuses that are numbers": (of("status", [np.nan] * 3), "'status' = nan is not"),
     "statuses that are truths": (of("status", [True] * 3), "'status' = True is not"),
-    "statuses in lists": (of("status", [["ok"]] * 3), "row 0 of column 'status' = ['o"),
+    "statuses in lists": (of("status", [["ok"]] * 3), "columns of list<element: str"),
     "a point below 0": (of("point", [0, -1, 2]), "row 1 of column 'point' = -1 is not"),
     "a point that is none": (of("point", [0, None, 2]), "'point' = None is not all"),
     "half a point": (of("point", [0.0, 0.5, 1.0]), "'point' = 0.0 is not allowed"),
-    "a verdict in a list": (of("verdict", [None, ["fell"], None]), "1 of column 'ver"),
+    "a verdict in a list": (of("verdict", [None, ["fell"], None]), "list<element: st"),
     "a setting without end": (of("friction", [0.1, 0.2, np.inf]), "'friction' = inf"),
     "no settings": (foreign({"x": [1]}), "varies, friction, point, status"),
+    "a list of millions in one row": (
+        foreign({"x": pa.array([[0] * 10**6])}),
+        "int64> are none of a sweep",
+    ),
     "too many values": (
         foreign({str(i): pa.nulls(10**5) for i in range(401)}),
         "100000 x 401 values with ",
