@@ -161,7 +161,7 @@ def twist_at_rest(kinematics: Kinematics, stratum: str, direction: Direction) ->
 
 
 def _elements(robot: Robot, swings: Sequence[Swing], fields: Fields) -> tuple[str, ...]:
-    """Loaded swings to steer with, swings in the air on first strata, and one bracket."""
+    """Loaded swings to steer with, those in the air on first strata, and a bracket."""
     if robot.card.patterns:
         names = [swing.name for swing in swings if swing.twist is not None]
     else:
