@@ -81,8 +81,7 @@ class LeastMargin:
         known = stability_margin(points[on], contact[on], center_of_mass[on])
         self.value = min(self.value, float(known.min()))
         of = np.cumsum(on) - 1  # the anchor before each state
-        at = count[on][of]
-        feet, weight = (np.abs(p - p[at]) for p in (points, center_of_mass))
+        feet, weight = (np.abs(p - p[count[on][of]]) for p in (points, center_of_mass))
         moved = (feet[..., 0] + feet[..., 1]).max(axis=1)  # at most, as the weight did
         moved += weight[:, 0] + weight[:, 1]
         near = ~on & (known[of] - moved < self.value)

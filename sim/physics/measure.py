@@ -131,8 +131,7 @@ def decided(loaded: Array, shortest: int, before: Array | None = None) -> int:
     shorter than `shortest` may turn out to be a bounce.
     """
     known = _after(before, loaded)
-    rows = np.arange(len(known))[:, None]  # a row of `known` is a step + 1
-    last = np.where(known, rows, -shortest).max(axis=0)
+    last = np.where(known, np.arange(len(known))[:, None], -shortest).max(axis=0)
     count = len(loaded)
     return int(last[count - last < shortest].min(initial=count))
 

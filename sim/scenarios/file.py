@@ -116,14 +116,18 @@ def scenario_from(
     if lacking := [key for key in needed if key not in values]:
         raise UsageError(f"{lacking[0]} is missing", where, f"give {lacking[0]}")
     if isinstance(file := values.get("learnt"), str):
-        values["learnt"] = _learnt(Path(file))
+        values["learnt"] = _learnt(Path(file), values.get("robot", Scenario.robot))
     standing = shapes.decode(values.get("obstacles", ()))
     path = nominal.decode(values["path"]) if "path" in values else nominal.line(START)
     return Scenario(**{**values, "path": path, "obstacles": standing})
 
 
-def _learnt(path: Path) -> object:
-    """The numbers in a learnt.toml, or in that of a run's folder."""
+def _learnt(path: Path, robot: str) -> object:
+    """The numbers in a learnt.toml, or in that of a run of the same shipped robot."""
+    file = path / "scenario.toml"
+    own = read_toml(file).get("robot") if file.is_file() else robot
+    if own != robot and not str(own).endswith(".xml"):
+        raise UsageError.of("learnt_of", path, own=own)
     path = path / "learnt.toml" if path.is_dir() else path
     table = read_toml(path).get("learnt")
     if not isinstance(table, dict) or "numbers" not in table:

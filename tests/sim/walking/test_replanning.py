@@ -71,6 +71,17 @@ def test_what_one_walk_has_learnt_another_begins_with(walks, tmp_path):
     assert walks[False][1].followed.learnt is None
 
 
+def test_what_another_robot_has_learnt_is_refused(tmp_path):
+    """Its numbers are in metres and radians of that robot's segments."""
+    numbers = f"[learnt]\nnumbers = {[0.0] * 15}\n"
+    (tmp_path / "learnt.toml").write_text(numbers)
+    (tmp_path / "scenario.toml").write_text('robot = "octopod"\n')
+    with pytest.raises(UsageError, match="what octopod has learnt is of no use to an"):
+        load_scenario("line", {"learnt": str(tmp_path)})
+    own = {"learnt": str(tmp_path), "robot": "octopod", "replan": True}
+    assert [*load_scenario("line", own).learnt] == [0.0] * 15
+
+
 def test_what_is_not_learnt_is_refused(tmp_path):
     (tmp_path / "learnt.toml").write_text("[learnt]\nnumbers = [1.0]\n")
     table = {"learnt": str(tmp_path / "learnt.toml"), "replan": True, "learn": True}
