@@ -16,7 +16,7 @@ from sim.commands import options as cli
 from sim.endings import command
 from sim.errors import UsageError
 from sim.fitting import fitting
-from sim.fitting.estimate import Estimates, Parameter
+from sim.fitting.estimate import LEAST_NOISE, Estimates, Parameter
 from sim.fitting.poses import Walked, fit_poses, log_of, walked_of_log, walked_of_run
 from sim.logs.alignment import ordered
 from sim.logs.log import Log
@@ -133,7 +133,7 @@ def _noise(logs: Sequence[Log]) -> float:
     """Of measured angles [rad], from third differences, which smooth motion has not."""
     seen = (log.measured for log in logs if log.measured is not None)
     rough = [np.diff(angles, 3, axis=0).ravel() for angles in seen]
-    return float(np.nanstd(np.concatenate(rough)) / sqrt(20))
+    return max(float(np.nanstd(np.concatenate(rough)) / sqrt(20)), LEAST_NOISE)
 
 
 def _unit(parameter: Parameter) -> str:

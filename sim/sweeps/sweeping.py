@@ -175,28 +175,28 @@ def write_run_folders(points: Points, folder: SweepFolder) -> list[str]:
     own, wrong = RunFolder(folder.path), []
     if (runs := (own.path / run_folder(0)).parent).is_symlink():
         raise UsageError.of("link", runs, remedy="remove it")
-    walked, filmed = (None, "summary.json"), ("draft", "video.mp4")
-    look, last = filmed if points.sweep.filmed else walked
+    last = "video.mp4" if points.sweep.filmed else "summary.json"
     with sole_owner(folder.lock):
         for point in points.sweep.run_folders:
             at = own.path / run_folder(point)
             if point not in points.tables:
                 continue
             now = {"of": points.digests[point], "varied": points.sweep.varied(point)}
-            same = point_in(at) == json.loads(json.dumps(now))
-            if same and (at / last).exists():
+            walked = (at / "summary.json").exists()
+            walked &= point_in(at) == json.loads(json.dumps(now))
+            if walked and (at / last).exists():
                 continue
             scenario = scenario_from(points.tables[point], {}, f"point {point}")
             try:
-                if same and (at / "summary.json").exists():
+                if not walked:
+                    _clear(at)
+                    inner = own.inner(run_folder(point))
+                    run(scenario, inner, without=points.sweep.without)
+                    inner.write_json(POINT, now)
+                if points.sweep.filmed:
                     from sim.pictures.run_film import film_folder
 
                     film_folder(at)
-                    continue
-                _clear(at)
-                inner = own.inner(run_folder(point))
-                run(scenario, inner, look=look, without=points.sweep.without)
-                inner.write_json(POINT, now)
             except FilesError:
                 raise
             except Exception as error:  # its reason stands in the table as well

@@ -2,7 +2,7 @@
 
 import json
 from argparse import Namespace
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -182,6 +182,7 @@ def test_a_fit_that_misses_more_than_the_noise_of_its_log_says_so():
     log = Log(time, ("a",), noise, measured=np.sin(3 * time)[:, None] + noise)
     found = command._noise([log, log])
     assert found == pytest.approx(np.radians(0.05), rel=0.1)
+    assert command._noise([replace(log, measured=0 * noise)]) == 1e-6  # stuck encoders
     told = {"rows": [], "unseen": {}, "before": 1.0, "noise": found}
     for after, misses in ((1.4 * found, False), (1.7 * found + 1e-4, True)):
         told["after"] = after

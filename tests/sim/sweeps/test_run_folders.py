@@ -2,7 +2,7 @@
 
 import pytest
 
-from sim.errors import FilesError, UsageError
+from sim.errors import FilesError, RenderError, UsageError
 from sim.pictures import run_film
 from sim.sweeps import sweeping
 from sim.sweeps.file import read_sweep
@@ -66,6 +66,26 @@ def test_a_finished_walk_whose_film_is_missing_is_filmed_where_it_is(
     assert walked("true", "summary.json") == []
     assert filmed == [runs / "point-00000"]
     assert (runs / "point-00000" / "notes.md").read_text() == "mine"
+
+
+def test_a_walk_whose_film_fails_is_not_walked_again(tmp_path, monkeypatch):
+    def walk(_, made, **how):
+        done.append(made.path.name)
+        (made.path / "summary.json").touch()
+
+    def refuse(_):
+        raise RenderError("no picture", "here", "install a driver")
+
+    done = []
+    monkeypatch.setattr(sweeping, "run", walk)
+    monkeypatch.setattr(run_film, "film_folder", refuse)
+    sweep = read_sweep(str(write_sweep(tmp_path, VARIES.format(film="true"))))
+    given = points_of(sweep, Shard()), SweepFolder(tmp_path / "out")
+    (tmp_path / "out").mkdir()
+    for _ in range(2):
+        (said,) = write_run_folders(*given)
+        assert said == "point 0: no picture: here; install a driver"
+    assert done == ["point-00000"]
 
 
 def test_what_the_user_has_put_there_is_set_aside_and_an_unfinished_walk_removed(
