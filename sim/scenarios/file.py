@@ -124,8 +124,8 @@ def scenario_from(
 
 def _learnt(path: Path, robot: str) -> object:
     """The numbers in a learnt.toml, or in that of a run of the same shipped robot."""
-    file = path / "scenario.toml"
-    own = read_toml(file).get("robot") if file.is_file() else robot
+    file = (path if path.is_dir() else path.parent) / "scenario.toml"
+    own = read_toml(file).get("robot", Scenario.robot) if file.is_file() else robot
     if own != robot and not str(own).endswith(".xml"):
         raise UsageError.of("learnt_of", path, own=own)
     path = path / "learnt.toml" if path.is_dir() else path

@@ -214,7 +214,7 @@ def _lines(path: Path) -> Iterator[bytes]:
     """Lines of a ledger, if there is one; one that is too long comes in parts."""
     with suppress(FileNotFoundError), open_file(path) as file:
         for line in iter(lambda: file.readline(LONGEST_LINE), b""):
-            ours = SEAL.startswith(line[: SEAL.index(b"%")])
+            ours = SEAL.startswith(line[: SEAL.index(b"%")].rstrip(b"\0"))
             if line.endswith(b"\n") or len(line) == LONGEST_LINE or not ours:
                 yield line
 

@@ -25,7 +25,6 @@ TEXT = 5  # times as much memory is taken by a byte of text
 HEAD = 365  # bytes of a column without values
 MOST_VALUES, MOST_ROWS = 4 * 10**7, 200_000  # of 8 legs there are 144,088 designs
 MEMORY = 10**9  # bytes of addresses that reading one may take, beside those reserved
-PLAIN = (pa.bool_(), pa.int64(), pa.float64(), pa.string(), pa.null())
 ABOUT = "stratawalk"  # key of the metadata
 Row = Mapping[str, object]
 
@@ -75,11 +74,11 @@ def read_table(path: Path) -> tuple[dict[str, list[object]], dict[str, Any]]:
             count = f"{declared.num_rows} x {declared.num_columns} values"
             raise ValueError(f"{count} with {size / 1e9:.2g} GB are too many")
         schema = parquet.read_schema(path)
-        if others := {str(field.type) for field in schema if field.type not in PLAIN}:
-            raise ValueError(f"columns of {min(others)[:40]} are none of a sweep")
-        texts = [field.name for field in schema if field.type == pa.string()]
-        with _bounded():
-            table = parquet.read_table(path, read_dictionary=texts)
+        if lists := {str(f.type) for f in schema if pa.types.is_nested(f.type)}:
+            raise ValueError(f"columns of {min(lists)[:40]} are none of a sweep")
+        texts = [f.name for f in schema if f.type in (pa.string(), pa.large_string())]
+        with _bounded(), parquet.ParquetFile(path, read_dictionary=texts) as file:
+            table = file.read(use_threads=False)  # others would go on after an error
         about = json.loads((table.schema.metadata or {}).get(ABOUT.encode(), "null"))
         columns = {name: _values(table[name]) for name in table.column_names}
     except (pa.ArrowException, OSError, MemoryError, *UNREADABLE) as error:

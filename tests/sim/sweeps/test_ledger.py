@@ -38,12 +38,12 @@ def test_a_torn_last_line_is_cut_off_and_nothing_else_is_lost(tmp_path, cut):
     assert all(json.loads(line) for line in path.read_text().splitlines())
 
 
-@pytest.mark.parametrize("text", ['{"my": "data of years"}', '{"sea', "notes"])
+@pytest.mark.parametrize("text", ['{"my": "data"}', '{"sea', "notes", "\0" * 512])
 def test_text_of_others_is_no_torn_line_of_ours(tmp_path, text):
     """As JSON is written without a line end: it would be cut off to nothing."""
     path = tmp_path / "ledger"
     path.write_text(text)
-    if text == '{"sea':
+    if text[0] == "\0" or text == '{"sea':  # as a disk that lost its power has it
         assert read_ledger(path) == {}
         return
     with pytest.raises(UsageError, match="line 1 is not as a sweep wrote it"):

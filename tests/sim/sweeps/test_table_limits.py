@@ -1,7 +1,10 @@
 """Tables and ledgers that declare more than there is room for are not read."""
 
+import resource
 from types import SimpleNamespace
 
+import numpy as np
+import pyarrow as pa
 import pytest
 
 from sim.errors import UsageError
@@ -56,3 +59,24 @@ def test_lines_of_a_ledger_come_in_parts_of_a_million_bytes(tmp_path):
     path.write_bytes(b"x" * 999_999 + b"\n" + b"y" * 1_000_001 + b'\n{"seal": "cut')
     sizes = [len(line) for line in _lines(path)]
     assert sizes == [1_000_000, 1_000_000, 2]
+
+
+def test_reading_takes_no_more_memory_than_a_table_may(tmp_path):
+    """A footer may lie about the sizes of pages, as of three texts of a gigabyte."""
+    before = resource.getrlimit(resource.RLIMIT_AS)
+    with table._bounded(), pytest.raises(MemoryError):
+        np.ones(4 * 10**8)  # 3.2 GB
+    assert resource.getrlimit(resource.RLIMIT_AS) == before
+
+
+@pytest.mark.parametrize(
+    "write", [pa.large_string(), pa.dictionary(pa.int32(), pa.string())]
+)
+def test_tables_that_other_programs_have_written_are_read(tmp_path, write):
+    """As polars has texts, and pandas categories."""
+    path = tmp_path / "table.parquet"
+    words = pa.array(["ok", None, "ok"]).cast(write)
+    few = pa.array([0.5, 1.0, 2.0], pa.float32())
+    table.parquet.write_table(pa.table({"status": words, "x": few}), path)
+    columns, _ = table.read_table(path)
+    assert columns == {"status": ["ok", None, "ok"], "x": [0.5, 1.0, 2.0]}
