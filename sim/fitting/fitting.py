@@ -97,14 +97,14 @@ def fit_joints(setup: Setup, logs: Sequence[Log], walking: bool) -> JointFit:
             for log in logs
         ]
         pairs = [*zip(loaded, logs, strict=True)]
-        each = together([fit_servos(c, *_rows(log, False), start) for c, log in pairs])
+        tries = 2 - walking  # loads on the floor are too uncertain for a choice
+        fits = [fit_servos(c, *_rows(g, False), start, tries) for c, g in pairs]
+        each = together(fits)
         make, own, whole = one_make(each)
         if walking:
             model = _fitted_model(setup, logs[0], whole)
-    before, after = (
-        np.sqrt(np.mean([_missed(*pair, servo) for pair in pairs], axis=0))
-        for servo in (start, whole)
-    )
+    ends = ([_missed(*pair, servo) for pair in pairs] for servo in (start, whole))
+    before, after = (np.sqrt(np.mean(end, axis=0)) for end in ends)
     if (lost := np.isfinite(before) & ~np.isfinite(after)).any():
         raise SimulationError.of("unsimulated", logs[0].joints[int(lost.argmax())])
     return JointFit(logs[0].joints, each, make, own, before, after)
@@ -155,10 +155,10 @@ def servos(stiffness: Array, damping: Array) -> Array:
 
 
 def fit_servos(
-    commanded: Commanded, rows: Array, measured: Array, start: Array
+    commanded: Commanded, rows: Array, measured: Array, start: Array, tries: int = 2
 ) -> Estimates:
     """Servos of P joints, expected at (P, 6), from angles (N, P) at times (N,) [s]."""
-    guesses = _scanned(commanded, rows, measured, start)
+    guesses = _scanned(commanded, rows, measured, start)[:tries]
     model = partial(commanded.answers, rows=rows)
     return best_of([estimate(model, measured, SERVO, start, one) for one in guesses])
 

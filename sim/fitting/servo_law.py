@@ -34,7 +34,7 @@ LAW_STEP = 0.004  # [s] of the law, which is solved exactly in between
 KNOTS = 10  # steps from one evaluation of weights to the next
 GOING = 1.0  # [s] in which the robot goes from its start to the log's first row
 LIGHTEST = 1e-7  # [kg m^2]
-NEAR_RATE = 1.1  # ratio of rates of rows and of commands, below which these are those
+NEAR_RATE = 1.02  # ratio of rates of rows and of commands, below which these are those
 SETTLING = 0.5  # [s] that it then stands
 
 

@@ -284,7 +284,7 @@ def test_a_servo_bears_nothing_within_its_dead_band_and_beyond_it_the_rest(monke
     assert load[-1] == pytest.approx([0.0, -50 * 0.02, 50 * 0.02], abs=1e-9)
 
 
-@pytest.mark.parametrize(("rows", "held"), [(62.5, True), (59.84, True), (50, False)])
+@pytest.mark.parametrize(("rows", "held"), [(60, True), (59.84, True), (62.5, False)])
 def test_rows_that_come_as_servos_take_commands_are_held(rows, held):
     """Taken for a slope, steps would come half a row late, and be called a delay."""
     setup = SimpleNamespace(servo=SimpleNamespace(rate=59.84))
