@@ -21,6 +21,7 @@ DESIGN = Design(({1: 1, 2: 1, 3: 1}, {4: 1, 5: -1, 6: 0}))
         ((1, 2, 1), (-2, -4, -2), ()),
         ((0, 1, 1), (0, 3, 3), ()),
         ((1, 2, 1), (2, 1, 2), ("ahead", "aside", "round")),
+        ((-4e-8, 0, -6e-7), (1e-8, 4e-8, 6e-7), ()),  # of the gains of locked legs
     ],
 )
 def test_a_bracket_makes_what_two_motions_do_not(first, second, made):

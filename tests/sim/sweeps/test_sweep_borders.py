@@ -150,6 +150,14 @@ def test_a_sweep_has_fifty_thousand_points_at_most():
         made(MOST_POINTS + 1)
 
 
+def test_a_sweep_of_a_long_path_has_fewer_points():
+    """Every point is checked with its whole path, which takes as long as it is."""
+    path = {"path": {"kind": "table", "poses": [[0.00001, 0, 0]] * 2000}}
+    blocks = ((("k",), [(value,) for value in range(5000)]),)
+    with pytest.raises(UsageError, match="5000 points: .* at most [12]... points"):
+        Sweep("s", path, {}, blocks, ())
+
+
 def test_tables_are_flattened_but_for_ranges_and_what_has_a_kind():
     table = {
         "a": {"b": 1, "c": {"d": 2}},
