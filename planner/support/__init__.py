@@ -19,6 +19,7 @@ from planner.support.files import (
     read_text as read_text,
     remove_unfinished as remove_unfinished,
     require_space as require_space,
+    unfinished as unfinished,
     whole_file as whole_file,
 )
 from planner.support.stopping import (

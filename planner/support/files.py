@@ -51,11 +51,30 @@ def whole_file(path: Path | str, size: int = 0, new: bool = False) -> Iterator[P
         _unfinished.discard(part)
 
 
+@contextmanager
+def unfinished(*paths: Path) -> Iterator[None]:
+    """Files and folders that are removed again unless the block succeeds."""
+    _unfinished.update(paths)
+    try:
+        yield
+    except BaseException:
+        for path in paths:
+            _remove(path)
+        raise
+    finally:
+        _unfinished.difference_update(paths)
+
+
 def remove_unfinished() -> None:
     """Remove the files that are being written, before a process ends at once."""
-    for part in list(_unfinished):
-        with suppress(OSError):
-            part.unlink()
+    for path in list(_unfinished):
+        _remove(path)
+
+
+def _remove(path: Path) -> None:
+    shutil.rmtree(path, ignore_errors=True)  # a folder
+    with suppress(OSError):
+        path.unlink()
 
 
 def require_space(folder: Path, size: int) -> None:

@@ -20,6 +20,7 @@ from models import (
     shipped_robots,
     source_of,
 )
+from planner.support import unfinished
 from sim.commands import options as cli
 from sim.endings import command
 from sim.errors import UsageError
@@ -92,20 +93,17 @@ def _adopted(options: argparse.Namespace) -> tuple[Source, Draft, Setup, list[Pa
     with whole(card, new=True) as part:  # of two at once, one goes on
         part.write_text(draft.card, "utf-8")
     try:
-        if source.text is not None:
-            with whole(source.path) as part:
-                part.write_text(source.text, "utf-8")
-        with cli.working(options, "trying to stand"):
-            name = str(source.path)
-            robot = load(name, allow_external=options.allow_external)
-            setup = prepare(load_scenario("line", {"robot": name}), robot)
-        with cli.working(options, "drawing it from above"), whole(picture) as part:
-            save_standing(setup, draft.gait.pivots, part)
-    except BaseException as error:
-        for path in (card, picture, *model):
-            path.unlink(missing_ok=True)
-        if not isinstance(error, ModelError):
-            raise
+        with unfinished(card, picture, *model):
+            if source.text is not None:
+                with whole(source.path) as part:
+                    part.write_text(source.text, "utf-8")
+            with cli.working(options, "trying to stand"):
+                name = str(source.path)
+                robot = load(name, allow_external=options.allow_external)
+                setup = prepare(load_scenario("line", {"robot": name}), robot)
+            with cli.working(options, "drawing it from above"), whole(picture) as part:
+                save_standing(setup, draft.gait.pivots, part)
+    except ModelError as error:
         drafted = f"{re.escape(str(source.path.with_suffix('')))}[.](xml|toml)"
         told = re.sub(drafted, lambda _: str(source.given), str(error))
         raise ModelError(told) from error  # about the file that is still there

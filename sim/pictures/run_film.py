@@ -25,6 +25,7 @@ from typing import IO
 
 import mujoco
 
+from planner.support import unfinished
 from sim.errors import RenderError, UsageError
 from sim.folder import blamed_on, whole
 from sim.pictures import file, gl
@@ -143,7 +144,9 @@ def _scratch(film: Path) -> Iterator[Path]:
         with suppress(OSError):
             flock(folder, LOCK_SH)
         place = TemporaryDirectory(".pieces", f".{film.stem}.", film.parent)
-        yield Path(stack.enter_context(place))
+        scratch = Path(stack.enter_context(place))
+        stack.enter_context(unfinished(scratch))
+        yield scratch
 
 
 def _shares(pictures: int) -> list[range]:

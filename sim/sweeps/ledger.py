@@ -86,18 +86,21 @@ def _code() -> str:
 def _own_files(scenario: Scenario) -> list[Path]:
     """Motion, card and all that the model of a user's robot opens; none if shipped."""
     own = {Path(scenario.motion)} if scenario.motion else set[Path]()
-    path = Path(scenario.robot)
+    path, before = Path(scenario.robot), frozenset[Path]()
     if path.suffix == ".xml" and path.is_file():
-        own |= {path.with_suffix(".toml"), *_opened(str(path), path.stat().st_mtime_ns)}
+        files = frozenset({path})
+        with suppress(ModelError):  # whose reason stands in the table, for each point
+            while files != before:  # each may name others since it was changed
+                there = (at for at in files if at.is_file())
+                changed = frozenset((at, at.stat().st_mtime_ns) for at in there)
+                before, files = files, _opened(str(path), changed)
+        own |= {path.with_suffix(".toml"), *files}
     return sorted(path for path in own if path.is_file())
 
 
 @cache
-def _opened(robot: str, changed: int) -> frozenset[Path]:
-    try:
-        return frozenset(load(robot).opened.files)
-    except ModelError:  # the reason stands in the table, for each of its points
-        return frozenset({Path(robot)})
+def _opened(robot: str, changed: frozenset[tuple[Path, int]]) -> frozenset[Path]:
+    return frozenset(load(robot).opened.files)
 
 
 @cache
@@ -106,6 +109,7 @@ def _digest(path: Path, changed: int, size: int) -> str:
 
 
 OK = "ok"
+DIED = "its worker died"  # how the status begins of a point to be walked again
 SEAL = b'{"seal": "%b", '
 LENGTH = len(SEAL % bytes(16))
 LONGEST_LINE = 10**6  # bytes of a line
@@ -130,6 +134,11 @@ class Outcome:
         line = printable(" ".join(self.status.split()))
         if self.status != OK and (line != self.status or ": " not in line):
             raise TypeError("its status is no message of one line")
+
+    @property
+    def died(self) -> bool:
+        """Whether it is worth another try, as its worker ended and it did not."""
+        return self.status.startswith(DIED)
 
     @property
     def line(self) -> bytes:
@@ -188,9 +197,9 @@ def read_ledger(
 ) -> dict[str, Outcome]:
     """Finished points by their digests; none where there is no ledger yet.
 
-    A torn last line counts as not written, and its point is walked again. Refused are
-    lines of other software, if one is given, and two results of one point, which is
-    named by its number.
+    A torn last line counts as not written, and its point is walked again; the result of
+    a point takes the place of its worker's death. Refused are lines of other software,
+    if one is given, and two results of one point, which is named by its number.
     """
     known: dict[str, Outcome] = {}
     for path in paths:
@@ -201,7 +210,9 @@ def read_ledger(
                     raise ValueError(f"it is of other software, {differ[0]}")
                 before = known.setdefault(one.digest, one)
                 results = ({**o.numbers, "status": o.status} for o in (before, one))
-                if differ := differences(*results):
+                if before.died:
+                    known[one.digest] = one
+                elif not one.died and (differ := differences(*results)):
                     point = (points or {}).get(one.digest, one.digest)
                     raise ValueError(f"point {point} has two results, {differ[0]}")
             except ValueError as error:

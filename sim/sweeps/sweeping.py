@@ -152,6 +152,7 @@ def carry_on(
     with sole_owner(folder.lock):
         about = folder.agree(About.of(points.sweep), mix)
         known = points.known(about, folder.ledger)
+        known = {code: one for code, one in known.items() if not one.died}
         if tasks := points.tasks(known):
             count(known.values())
             with (
@@ -242,7 +243,8 @@ def merge(sources: Sequence[Path], out: Path) -> tuple[Result, Path]:
     ensure_folder(out)
     with sole_owner(folder.lock), opened(folder.ledger) as ledger:
         written = read_ledger(folder.ledger)
-        ledger.add([o for code, o in known.items() if code not in written])
+        new = [o for c, o in known.items() if c not in written or written[c].died]
+        ledger.add(new)
         about = folder.agree(about, mix=about.mixed)
         write_table(folder.table, list(points.rows(known)), asdict(about))
     return points.result(known), folder.table

@@ -215,7 +215,8 @@ class WorkerPool:
         self.deaths[task.digest] += 1
         if self.deaths[task.digest] < TRIES:
             return task, None
-        reason = f"its worker died, {TRIES} times: it was killed, or out of memory"
+        why = f"{TRIES} times: it was killed, or out of memory"
+        reason = f"{ledger.DIED}, {why}; --resume walks the point again"
         return task, Outcome(task.digest, reason, software=software())
 
     def _be_patient(self, since: float) -> float:

@@ -88,7 +88,7 @@ def _launch(
     started: Callable[[], object],
 ) -> ViewerHandle:
     """Start the viewer in a thread; its handle."""
-    from mujoco.studio import launch_thread, viewer_protocol, web_viewer
+    from mujoco.studio import launch_thread, ux, viewer_protocol, web_viewer
     from mujoco.studio.app import App
     from mujoco.studio.web import web_server
 
@@ -107,8 +107,9 @@ def _launch(
 
     def show(endpoint: ViewerEndpoint) -> None:
         # The viewer offers no choice of the interface that it listens on, of those who
-        # are answered, nor silence.
+        # are answered, nor silence; it keeps its layout in the person's home.
         with (
+            patch.object(ux, "save_settings", lambda *_: None),
             patch.object(web_server, "bind_public_socket", lambda *_: bound),
             patch.object(web_server, "bind_loopback_socket", own),
             patch.object(web_server, "serve", access.serve),

@@ -8,7 +8,14 @@ from pathlib import Path
 
 import pytest
 
-from planner.support.files import read_file, read_text, require_space, whole_file
+from planner.support.files import (
+    read_file,
+    read_text,
+    remove_unfinished,
+    require_space,
+    unfinished,
+    whole_file,
+)
 
 
 def names(folder):
@@ -117,3 +124,26 @@ def test_names_of_any_length_that_a_disk_takes_are_written(tmp_path, letter):
     with whole_file(tmp_path / f"{stem}.json") as part:
         part.write_text("all of it")
     assert names(tmp_path) == [f"{stem}.json"]
+
+
+def write_several(folder):
+    (folder / "pieces").mkdir()
+    for name in ("card.toml", "pieces/0.mp4"):
+        (folder / name).write_text("half")
+    return folder / "card.toml", folder / "pieces", folder / "never"
+
+
+def test_files_and_folders_of_work_that_fails_are_removed(tmp_path):
+    (tmp_path / "other").touch()
+    with pytest.raises(KeyboardInterrupt), unfinished(*write_several(tmp_path)):
+        raise KeyboardInterrupt
+    assert names(tmp_path) == ["other"]
+
+
+def test_files_and_folders_of_unfinished_work_are_removed_before_an_end(tmp_path):
+    with unfinished(*write_several(tmp_path)):
+        remove_unfinished()
+        assert names(tmp_path) == []
+        write_several(tmp_path)
+    remove_unfinished()
+    assert names(tmp_path) == ["card.toml", "pieces"]

@@ -12,6 +12,7 @@ import pytest
 
 from models.errors import ModelError
 from models.library import load
+from planner.support import remove_unfinished
 from scripts.adoptees import ADOPTEES, Adoptee, radial
 from sim.cli import main
 from sim.commands import robots
@@ -222,6 +223,8 @@ def test_a_robot_that_cannot_be_read_leaves_nothing_behind_it(
 
     def load(name, allow_external):
         assert path.with_suffix(".toml").read_text() == "a = 1"
+        remove_unfinished()  # as a second signal does
+        assert not path.with_suffix(".toml").exists()
         raise ModelError("it has no legs")
 
     monkeypatch.setattr(robots, "load", load)

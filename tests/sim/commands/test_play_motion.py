@@ -55,7 +55,10 @@ def test_a_gait_in_degrees_and_in_counts_is_the_same_motion(gait, capfd):
         file = gait(scale, offset)
         words = ["play", "hexapod", file, "--units", units, "--out", units, *FAST]
         assert main([*words, "--json"]) == 0
-        found.append(json.loads(capfd.readouterr().out)["achieved"]["pose"])
+        said = capfd.readouterr()
+        found.append(json.loads(said.out)["achieved"]["pose"])
+    taken = "4096 counts a turn are taken, 2048 at angle zero"
+    assert f"notice: the card gives no servo of 'swing_1'; {taken}" in said.err
     np.testing.assert_allclose(found[1:], [found[0]] * 2, atol=1e-6)
     assert abs(found[0][2]) > 0.1
 
@@ -77,7 +80,8 @@ def test_pulses_in_microseconds_are_angles_by_the_servo_table_of_the_card(
     np.savetxt(tmp_path / "us.csv", pulses, "%.9g", ",", "\n", names, "", "")
     words = ["play", "mine.xml", "us.csv", "--units", "microseconds", "--out", "run"]
     assert main([*words, *FAST, "--tolerance", "none"]) in (0, 4)
-    capfd.readouterr()
+    taken = f"no servo of 'lift_1'; {2 * np.pi * a_radian:.0f} microseconds a turn"
+    assert taken in capfd.readouterr().err
     found = np.loadtxt(tmp_path / "run" / "motion.csv", delimiter=",", skiprows=1)
     np.testing.assert_allclose(found, told, atol=1e-6)
 

@@ -5,6 +5,8 @@ from threading import Thread
 
 import pytest
 
+from planner.support import remove_unfinished
+from sim.pictures import run_film
 from sim.pictures.file import count_pictures
 from sim.pictures.run_film import film_folder
 
@@ -18,6 +20,21 @@ def test_a_film_may_be_drawn_from_any_thread(folder, driver):
     thread.start()
     thread.join()
     assert count_pictures(films[0]) > 0
+
+
+@pytest.mark.render
+def test_pieces_of_a_film_that_ends_at_once_are_removed(folder, driver, monkeypatch):
+    before = {entry.name for entry in folder.iterdir()}
+
+    def end_at_once(pieces, *_):
+        assert pieces[0].path.parent.parent == folder
+        remove_unfinished()
+        assert {entry.name for entry in folder.iterdir()} == before
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(run_film, "draw", end_at_once)
+    with pytest.raises(KeyboardInterrupt):
+        film_folder(folder, stretch=SHORT)
 
 
 @pytest.mark.full

@@ -22,6 +22,24 @@ def test_a_point_is_another_one_if_a_file_that_its_model_includes_changes(
     assert digest(point, ()) != before
 
 
+def test_a_file_that_an_included_file_names_since_it_was_changed_is_part_of_a_point(
+    edited, scenario
+):
+    robot = edited()
+    scene, more = (robot.path.parent / name for name in ("scene.xml", "more.xml"))
+    point, text = scenario(robot=str(robot.path)), scene.read_text()
+    found = [digest(point, ())]
+    for change in ('<include file="more.xml"/>', "</include>", ""):
+        more.write_text(f"<mujoco><option/><!--{change}--></mujoco>")
+        scene.write_text(text.replace("</mujoco>", f"{change}</mujoco>"))
+        found.append(digest(point, ()))
+        more.write_text(f"<mujoco><option/><!--{change} again--></mujoco>")
+        found.append(digest(point, ()))
+    first, named, changed, broken, kept, back, _ = found
+    assert len({first, named, changed, broken}) == 4
+    assert broken == kept != back == first
+
+
 def test_names_make_no_other_point(scenario):
     assert digest(scenario(name="a"), ()) == digest(scenario(name="b"), ())
     assert digest(scenario(), ()) != digest(scenario(), ("identified",))

@@ -10,7 +10,7 @@ import pytest
 
 from sim.errors import FilesError, UsageError
 from sim.sweeps.folder import sole_owner
-from sim.sweeps.ledger import OK, Outcome, _sealed, opened, read_ledger
+from sim.sweeps.ledger import DIED, OK, Outcome, _sealed, opened, read_ledger
 from tests.commands import FORKS
 
 FIRST, SECOND = (Outcome(code, OK, {"x": 0.1}, {"mujoco": "1"}) for code in "ab")
@@ -170,6 +170,14 @@ def test_two_results_of_a_point_are_refused_by_its_number(tmp_path):
     said = "other; |point 7 has two results, x: 0.1, now 0.2"
     with pytest.raises(UsageError, match=said):
         read_ledger(*paths, points={"a": 7})
+
+
+@pytest.mark.parametrize("order", [(0, 1), (1, 0), (1, 1, 0), (1, 0, 1)])
+def test_a_result_takes_the_place_of_the_death_of_a_worker(tmp_path, order):
+    outcomes = FIRST, replace(FIRST, status=f"{DIED}: once", numbers={})
+    with opened(tmp_path / "x") as ledger:
+        ledger.add(outcomes[number] for number in order)
+    assert read_ledger(tmp_path / "x") == {"a": FIRST}
 
 
 def test_a_line_of_other_software_is_refused_where_it_must_be_alike(tmp_path):

@@ -54,7 +54,16 @@ def test_a_point_that_kills_its_worker_harms_no_other(tmp_path):
     assert done.returncode == 8, done.stderr
     first, deadly, last = statuses(out)
     assert (first, last) == ("ok", "ok")
-    assert deadly == "its worker died, 2 times: it was killed, or out of memory"
+    assert deadly == (
+        "its worker died, 2 times: it was killed, or out of memory; "
+        "--resume walks the point again"
+    )
+    again = stratawalk("sweep", file, "--out", out, "--workers", 1, "--resume")
+    assert again.returncode == 0, again.stderr
+    assert "3 points, 2 of them done before" in again.stdout
+    assert statuses(out) == ["ok"] * 3
+    merged = stratawalk("merge", out)
+    assert merged.returncode == 0, merged.stderr
 
 
 def test_solvers_are_part_of_what_a_point_was_made_with():

@@ -1,5 +1,6 @@
 """Who may speak to the viewer: real requests and websockets to a real server."""
 
+import os
 import random
 import signal
 import socket
@@ -73,15 +74,19 @@ sys.exit(start.main())
 
 
 @pytest.fixture(scope="module")
-def served(walked):
+def served(walked, tmp_path_factory):
+    home = tmp_path_factory.mktemp("home")
+    (layout := home / ".mujoco.ini").write_text("of MuJoCo's own viewer")
     process = subprocess.Popen(
         [sys.executable, "-c", BRIEF, "view", str(walked), "--no-browser"],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        env=os.environ | {"HOME": str(home)},
     )  # fmt: skip
     yield Served(process, process.stdout.readline().strip())
     process.send_signal(signal.SIGINT)
     _, said = process.communicate(timeout=30)
     assert (process.returncode, said.strip()) == (0, "")  # whatever it was sent
+    assert layout.read_text() == "of MuJoCo's own viewer"
 
 
 @pytest.fixture(scope="module")
