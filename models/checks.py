@@ -12,17 +12,12 @@ from models.contact.kinematics import UPRIGHT, Kinematics
 from models.description.card import LegCard
 from models.description.compiled import joints_above, root_body
 from models.description.robot import Robot
-from models.errors import ModelError
-from planner.support import did_you_mean, sentences
+from models.errors import refusals
+from planner.support import did_you_mean
 
 FARTHEST = 1e6  # [m] from the origin or frame; beyond, numbers lose millimetres
 Problem = tuple[str, dict[str, object]]  # its sentence, and facts that are in it
-message = sentences("models", "checks.toml")
-
-
-def _wrong(problem: str, path: object, /, **facts: object) -> ModelError:
-    """The refusal of a robot's file for a problem."""
-    return ModelError(message(problem, path=path, **facts))
+_wrong = refusals("models", "checks.toml")
 
 
 def check_parts(robot: Robot) -> None:

@@ -1,8 +1,16 @@
 """Errors of robots and systems; each names the value, the place and the remedy."""
 
+from collections.abc import Callable
+
 from planner.support import sentences
 
 message = sentences("models", "refusals.toml")
+
+
+def refusals(package: str, name: str) -> Callable[..., "ModelError"]:
+    """Says why a file is refused, by the key of a sentence of a file and its source."""
+    say = sentences(package, name)
+    return lambda key, source, /, **facts: ModelError(say(key, source=source, **facts))
 
 
 class ModelError(Exception):

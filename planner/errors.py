@@ -101,10 +101,8 @@ class FieldError(PlannerError):
     """A field's function that raises an error of its own."""
 
     def __init__(self, configuration: Iterable[float], error: BaseException) -> None:
-        super().__init__(
-            f"a field's function ends with {type(error).__name__} at "
-            f"{point(configuration)}: {error}; correct it"
-        )
+        facts = {"kind": type(error).__name__, "at": point(configuration)}
+        super().__init__(message("field_fails", error=error, **facts))
 
 
 class ResolutionError(PlannerError):
@@ -148,11 +146,9 @@ class RankError(PlannerError):
         if enough:
             way_out = f"brackets to degree {enough} suffice: name them, or choose with "
             way_out += f"max_degree={enough}"
-        super().__init__(
-            f"the extended system has rank {self.rank} of {needed} at "
-            f"{point(configuration)} (Def. 3), nothing along {', '.join(missing)}; "
-            f"{way_out}"
-        )
+        facts = {"at": point(configuration), "missing": ", ".join(missing)}
+        line = message("singular", rank=self.rank, needed=needed, **facts)
+        super().__init__(f"{line}; {way_out}")
 
 
 class RangeError(PlannerError):
@@ -182,10 +178,8 @@ class RangeError(PlannerError):
         widen = "widen the range or shorten the path"
         why = f"{hopeless}; {widen}" if hopeless else widen
         way_out = f"plan at least {segments} segments" if segments else why
-        super().__init__(
-            f"{name} would reach {reached:.4g}, outside its range {low:.4g} to "
-            f"{high:.4g}; {way_out}"
-        )
+        facts = {"name": name, "reached": reached, "low": low, "high": high}
+        super().__init__(f"{message('beyond_range', **facts)}; {way_out}")
 
     def with_segments(self, segments: int | None, hopeless: str = "") -> RangeError:
         """The same error with a number of segments that suffice, or why none does."""
@@ -204,9 +198,7 @@ class BudgetError(PlannerError):
 
     def __init__(self, seconds: float, best: str) -> None:
         come_to = f"it had come to {best}" if best else "nothing was found yet"
-        super().__init__(
-            f"none within {seconds:g} s; {come_to}; ask for fewer segments or more time"
-        )
+        super().__init__(message("out_of_time", seconds=seconds, come_to=come_to))
 
 
 class BoundError(PlannerError):

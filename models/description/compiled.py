@@ -21,7 +21,7 @@ import numpy as np
 
 from models.description.actuators import ON_JOINT
 from models.description.table import is_plain
-from models.errors import ModelError, message
+from models.errors import ModelError, message, refusals
 from planner import Array
 
 UNDECODED = re.compile("[\udc80-\udcff]")  # bytes that are not UTF-8
@@ -34,22 +34,15 @@ QUATERNIONS = {int(mujoco.mjtJoint.mjJNT_FREE): 3, int(mujoco.mjtJoint.mjJNT_BAL
 """Joints with a quaternion, and where in their coordinates it begins."""
 DERIVED = re.compile("0$|^bvh_|^oct_|^geom_aabb|^geom_rbound|mass$|inertia$")
 MASSLESS = "must be larger than mjMINVAL"
-HEAVY = (
-    "this part has no mass, or no inertia: write both (<inertial>), or leave that out "
-    "and give it shapes that have mass (in URDF: <collision>)"
-)
 SOLVING = re.compile("iterations$|initpoints$")  # options that a step's time grows with
 NOT_XML = re.compile("Problem reading XML file (.*): .* Line number=([0-9]+)")
 MOST_ITERATIONS = 1000  # of these; the engine's own are 100 or fewer
 WORDS = {"jnt": "joint", "tex": "texture", "cam": "camera", "mat": "material"}
 
+refusal = refusals("models", "refusals.toml")
+
 # What the engine warns of is counted by its data, and would be written to a file here.
 mujoco.set_mju_user_warning(lambda text: None)
-
-
-def refusal(problem: str, source: object, /, **facts: object) -> ModelError:
-    """Why a file is refused, as `refusals.toml` says it."""
-    return ModelError(message(problem, source=source, **facts))
 
 
 def check_text(path: Path) -> None:
@@ -196,7 +189,7 @@ def one_line(what: str, *remedy: str) -> Iterator[None]:
         if reason.startswith("Could not read '"):
             reason = "there is no XML in it"
         if MASSLESS in reason:
-            remedy = (HEAVY,)
+            remedy = (message("massless"),)
         raise ModelError("; ".join((what, reason, *remedy))) from error
 
 

@@ -270,8 +270,3 @@ def logarithm(basis: Sequence[Element], h: ArrayLike) -> Array:
     for _ in range(1, algebra.max_degree):  # each makes one more degree exact
         a = a + h - exponential(basis, a)
     return a
-
-
-def product(basis: Sequence[Element], first: ArrayLike, then: ArrayLike) -> Array:
-    """Backward coordinates of a flow followed by another, shape (..., s)."""
-    return exponential(basis, logarithm(basis, then), np.asarray(first))

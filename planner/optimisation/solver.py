@@ -18,7 +18,7 @@ from typing import Any
 
 import sympy as sp
 
-from planner.errors import PlannerError, installing
+from planner.errors import PlannerError, installing, message
 from planner.numerics.arrays import Array
 from planner.support.stopping import tick
 
@@ -54,10 +54,7 @@ class MissingSolverError(PlannerError):
     """Optimising was asked for, and its solver is not installed."""
 
     def __init__(self) -> None:
-        super().__init__(
-            "optimising needs CasADi with IPOPT, which is not installed; "
-            f"{installing('optimise')}, or leave optimise at none"
-        )
+        super().__init__(message("no_solver", install=installing("optimise")))
 
 
 def solver() -> Expression:

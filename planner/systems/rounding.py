@@ -73,7 +73,8 @@ class WeighedValues:
         if entry.is_Number or entry.is_NumberSymbol:
             value = np.asarray(float(entry) if entry.is_extended_real else np.nan)
             return value, np.abs(value)
-        if not all(isinstance(part, sp.Expr) for part in entry.args):  # such as cases
+        parted = not all(isinstance(part, sp.Expr) for part in entry.args)  # in cases
+        if parted or isinstance(entry, sp.DiracDelta):  # of an order, a whole number
             function = sp.lambdify(self._state, entry, modules=[KINKS, np])
             value = np.asarray(function(*self.points.T), dtype=float)
             return value, np.abs(value)

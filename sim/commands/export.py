@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from sim.commands import options as cli
 from sim.commands.walks import judged
 from sim.endings import again, command, keeping
-from sim.errors import ExitCode, UsageError
+from sim.errors import ExitCode, UsageError, message
 from sim.evaluation.quantities import describe_export
 from sim.folder import blamed_on, require_free, require_writable
 from sim.progress import Progress, bar
@@ -24,10 +24,6 @@ if TYPE_CHECKING:
 
 RATE = 50.0  # commands a second of a walk without a rate, as most hobby servos take
 ASSUMED = "mounting assumed: channels in the order of joints, senses +, centres alike"
-COARSE = (
-    "this walk was planned for servos that take a command every physics step; plan it "
-    "for yours with --set servo=NAME, or with --set command_rate={rate:g}"
-)
 
 
 def export(options: argparse.Namespace) -> ExitCode:
@@ -54,7 +50,7 @@ def export(options: argparse.Namespace) -> ExitCode:
             raise
     summary = source.run.summary
     if not source.servo.rate:
-        cli.notice(COARSE.format(rate=read.rate))
+        cli.notice(message("every_step", rate=read.rate))
     if summary.verdict != "arrived":
         cli.notice(f"the walk that was exported {summary.verdict_text}", "warning")
     facts = {

@@ -23,7 +23,7 @@ from models import (
 from planner.support import unfinished
 from sim.commands import options as cli
 from sim.endings import command
-from sim.errors import UsageError
+from sim.errors import UsageError, message
 from sim.folder import whole
 from sim.interruption import processor_time
 from sim.preparation.inspection import facts_of, inspected
@@ -63,11 +63,8 @@ def adopt(options: argparse.Namespace) -> None:
     """Draft the card, try whether the robot stands, and write it beside the file."""
     if options.robot in shipped_robots() and not os.path.exists(options.robot):
         raise UsageError.of("shipped_card", options.robot, robot=options.robot)
-    too_long = ModelError(
-        f"no card was found within {BUDGET:g} s of processor time: {options.robot}; "
-        "leave parts out, or write its card by hand as docs/robots.md has it"
-    )
-    with processor_time(BUDGET, too_long):
+    late = message("no_card_found", robot=options.robot, seconds=BUDGET)
+    with processor_time(BUDGET, ModelError(late)):
         source, draft, setup, written = _adopted(options)
     found, files = facts_of(setup), [str(path) for path in written]
     path, external = source.path, setup.robot.opened.external

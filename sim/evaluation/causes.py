@@ -15,7 +15,7 @@ import numpy as np
 
 from models.description import actuator_of
 from planner import Array
-from planner.support import shipped_tables
+from planner.support import sentences
 from sim.drive.drive import Drive
 from sim.drive.lift_counts import LiftCounts
 from sim.evaluation.deviations import Scale, error_sources
@@ -33,7 +33,7 @@ LIGHT = 0.2  # of a motor's inertia; joints with less chatter
 BENT = 0.03  # [rad] on average, by which a servo lags behind its command
 RATTLED = 5  # bounces a touchdown; zeros and backlash of a few degrees make up to 3
 HARMLESS = 2  # bounces, of which nothing is said where a walk arrived
-MESSAGES = shipped_tables("sim.evaluation", "causes.toml")
+say = sentences("sim.evaluation", "causes.toml")
 
 
 @dataclass(frozen=True)
@@ -73,12 +73,6 @@ def likely_cause(word: str, evidence: Evidence) -> str:
     return next(filter(None, (find(evidence) for find in FINDERS[word])), "")
 
 
-def say(cause: str, kind: str = "", /, **facts: object) -> str:
-    """A sentence about a cause, of a kind if there are several."""
-    sentence: str = MESSAGES[cause][kind] if kind else MESSAGES[cause]
-    return sentence.format(**facts)
-
-
 def _touching(evidence: Evidence) -> str:
     touched = "obstacles" if evidence.walk.recording.wall_contacts else "legs"
     return say(touched, twice=2 * evidence.walk.setup.scenario.segments)
@@ -100,14 +94,14 @@ def _on_paper(evidence: Evidence) -> str:
         drives = [*evidence.drives.values()]
         softest = evidence.walk.setup.model.actuator_gainprm[drives, 0].min()
         kind = "known" if names else "led" if led else "left"
-        return say("on_paper", kind, names=names, stiffness=softest, **facts)
+        return say(f"on_paper_{kind}", names=names, stiffness=softest, **facts)
     groups = evidence.walk.setup.robot.card.groups.values()
     if scenario.fields == "paper" and not any(group.twist for group in groups):
         # a card that gives twists claims them as the paper does
-        return say("on_paper", "dragging", **facts)
+        return say("on_paper_dragging", **facts)
     if followed or evidence.on_paper(predictions.IDEAL.key) > share / 2:
-        return say("on_paper", "coarse", twice=2 * scenario.segments, **facts)
-    return say("on_paper", "other", **facts)
+        return say("on_paper_coarse", twice=2 * scenario.segments, **facts)
+    return say("on_paper_other", **facts)
 
 
 def _scaled_down(evidence: Evidence) -> str:
@@ -161,12 +155,12 @@ def _bouncing(evidence: Evidence) -> str:
     joints = leg.swing, leg.lift
     often = {"count": bounces.sum(), "names": " and ".join(map(repr, joints))}
     if (share := inertia_share(robot, setup.model, joints)) < LIGHT:
-        return say("bouncing", "light", percent=100 * share, **often)
+        return say("bouncing_light", percent=100 * share, **often)
     drives = [evidence.drives[joint] for joint in joints]
     stiffness = float(setup.model.actuator_gainprm[drives, 0].max())
     rate, step = setup.servo.rate, 1e3 * setup.limits.timestep
     pace = f"{rate:g} commands a second" if rate else f"a timestep of {step:g} ms"
-    return say("bouncing", "stiff", stiffness=stiffness, pace=pace, **often)
+    return say("bouncing_stiff", stiffness=stiffness, pace=pace, **often)
 
 
 def _soft(evidence: Evidence) -> str:
@@ -182,7 +176,7 @@ def _soft(evidence: Evidence) -> str:
     stiffness = model.actuator_gainprm[drives[worst], 0]
     joint, mean = list(evidence.drives)[worst], 1e3 * bent[worst]
     kind = "led" if Drive(evidence.walk.setup).feeds_forward else "left"
-    return say("soft", kind, joint=joint, stiffness=stiffness, bent=mean)
+    return say(f"soft_{kind}", joint=joint, stiffness=stiffness, bent=mean)
 
 
 def _coarse(evidence: Evidence) -> str:

@@ -146,7 +146,7 @@ def test_the_gravest_problem_is_told_first(monkeypatch):
         monkeypatch.setattr(checks, name, lambda kinematics, name=name: [(name, {})])
     monkeypatch.setattr(checks, "Kinematics", lambda robot: None)
     told = {"_badly_standing": "it lies"}
-    monkeypatch.setattr(checks, "message", lambda key, **facts: told[key])
+    monkeypatch.setattr(checks, "_wrong", lambda key, _: ModelError(told[key]))
     with pytest.raises(ModelError, match="^it lies$"):
         checks.check_posture(SimpleNamespace(path="here"))
 

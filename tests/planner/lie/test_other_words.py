@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from planner.lie.coordinates import exponential, logarithm, product
+from planner.lie.coordinates import exponential, logarithm
 from planner.lie.free_lie import lie_algebra
 from planner.lie.hall import hall_basis
 from planner.lie.input_words import mirrored_spellings, short_durations, spellings, word
@@ -59,7 +59,7 @@ def test_shortest_words_reach_their_coordinates():
     for letter, durations in zip((0, 1, 0, 1, 0), shortest(COORDINATES).T, strict=True):
         flow = np.zeros_like(COORDINATES)
         flow[:, letter] = durations
-        reached = product(BASIS, reached, flow)
+        reached = exponential(BASIS, logarithm(BASIS, flow), reached)
     # a few roundings of numbers near one
     assert reached == pytest.approx(COORDINATES, abs=1e-13)
 
@@ -91,7 +91,7 @@ def test_no_word_of_any_length_is_shorter(length):
     for k, durations in enumerate(words.T):
         flow = np.zeros_like(reached)
         flow[:, k % 2] = durations
-        reached = product(BASIS, reached, flow)
+        reached = exponential(BASIS, logarithm(BASIS, flow), reached)
     found = np.abs(shortest(reached)).sum(axis=1)
     # a few roundings of numbers near ten
     assert (found <= np.abs(words).sum(axis=1) + 1e-12).all()

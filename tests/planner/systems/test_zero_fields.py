@@ -24,3 +24,10 @@ def test_a_dozen_configurations_within_a_unit_and_a_tenth_are_drawn():
     assert (points[6:] > 0).all()
     assert (points[:6] < 0).any()
     assert 1.0 < np.abs(points).max() <= 1.1
+
+
+@pytest.mark.parametrize("order", [1, 2, 3, 4])
+def test_all_slopes_of_a_kink_but_the_first_vanish_beside_it(order):
+    x = sp.Symbol("x", real=True)
+    slope = sp.diff(sp.Abs(x), (x, order))
+    assert vanishing([sp.Matrix([slope, 0])], (x, Y)) == (order > 1,)
