@@ -125,8 +125,7 @@ def _write_array(file: IO[bytes], array: np.ndarray | Pieces) -> None:
 def claim(folder: Path | None, scenario: str) -> RunFolder:
     """Make a run's folder, a UsageError if it exists, or the next free in `runs`."""
     wanted = folder or Path("runs", scenario)
-    if "\\" in str(wanted.absolute()):
-        raise UsageError.of("backslash", wanted.absolute())
+    _require_named(wanted)
     parents = tuple(p for p in wanted.parents if not os.path.exists(p))
     try:
         made = _make(folder) if folder else _next_free(Path("runs"), scenario)
@@ -146,6 +145,7 @@ def claim(folder: Path | None, scenario: str) -> RunFolder:
 
 def ensure_folder(folder: Path, what: str = "folder") -> Path:
     """Make a folder, which a message calls `what`, unless it is there and writable."""
+    _require_named(folder)
     with telling(f"cannot make the {what}", folder, "choose another with --out"):
         folder.mkdir(parents=True, exist_ok=True)
     require_writable(folder)
@@ -171,6 +171,11 @@ def require_free(path: Path | str, option: str = "") -> None:
     """Refuse a name that a file, or a link to nowhere, has already."""
     if os.path.lexists(path):
         raise UsageError.of("in_use", path, option=f"{option} " * bool(option))
+
+
+def _require_named(folder: Path) -> None:
+    if "\\" in str(folder.absolute()):
+        raise UsageError.of("backslash", folder.absolute())
 
 
 def _make(folder: Path) -> Path:

@@ -270,4 +270,6 @@ def test_of_two_who_write_one_new_file_the_second_is_refused(tmp_path):
 def test_folders_that_mujoco_would_look_for_elsewhere_are_refused(tmp_path):
     with pytest.raises(UsageError, match="a backslash in a path.*; choose another"):
         claim(tmp_path / "a\\b" / "run", "line")
+    with pytest.raises(UsageError, match="a backslash in a path.*; choose another"):
+        ensure_folder(tmp_path / "a\\b" / "calibration")
     assert names(tmp_path) == []
