@@ -192,10 +192,8 @@ def one_line(error: BaseException) -> str:
 def _describe(error: BaseException) -> str:
     code = exit_code(error)
     if code is ExitCode.BUG:
-        return (
-            f"a bug of ours, {type(error).__name__}: {error}: {_place(error)}; "
-            "please report it with the output of --debug"
-        )
+        what = f"a bug of ours, {type(error).__name__}: {error}: {_place(error)}"
+        return f"{what}; please report it with the output of --debug"
     if code in _SIGNALS:
         notes = "".join(f", {note}" for note in getattr(error, "__notes__", ()))
         return f"{_SIGNALS[code]}{notes}"

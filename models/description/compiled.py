@@ -28,7 +28,9 @@ UNDECODED = re.compile("[\udc80-\udcff]")  # bytes that are not UTF-8
 COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 TAG = re.compile(r"<([A-Za-z_][\w.-]*)((?:[^<>\"']|\"[^\"]*\"|'[^']*')*)>")
 ATTRIBUTE = re.compile(r"([\w.:-]+)\s*=\s*(\"[^\"]*\"|'[^']*')")
-TEXTS = ("name", "class", "childclass", "model", "prefix", "dclass")  # may say "nan"
+PARTS = "joint|geom|body|site|mesh|material|texture|hfield|tendon|actuator"
+TEXTS = re.compile(f"name$|class$|^(model|prefix|file|target)$|({PARTS})[12]?$")
+"""Attributes that may say "nan": they name something."""
 SECTIONS = ("opt", "vis", "stat")  # of a compiled model, beside its arrays
 QUATERNIONS = {int(mujoco.mjtJoint.mjJNT_FREE): 3, int(mujoco.mjtJoint.mjJNT_BALL): 0}
 """Joints with a quaternion, and where in their coordinates it begins."""
@@ -58,7 +60,7 @@ def check_text(path: Path) -> None:
         own = attributes.get("name")
         element = f"<{tag[1]}> {own!r}" if own else f"<{tag[1]}>"
         for name, value in attributes.items():
-            if name not in TEXTS and _is_bad(value):
+            if not TEXTS.search(name) and _is_bad(value):
                 line = text.count("\n", 0, tag.start()) + 1
                 where = {"name": name, "element": element, "line": line}
                 raise refusal("not_finite", path, value=value, **where)

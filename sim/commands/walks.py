@@ -283,8 +283,6 @@ def judged_tries(tries: Sequence[Try], tolerance: float, remedy: str) -> ExitCod
     if worst <= tolerance:
         return ExitCode.OK
     count = sum((one.off or 0.0) > tolerance for one in tries)
-    how = (
-        f"{count} ended farther off goal or prediction than --tolerance "
-        f"{tolerance:g}, at worst {100 * worst:.3g} % of the path, yaw included"
-    )
+    off = f"{count} ended farther off goal or prediction than --tolerance {tolerance:g}"
+    how = f"{off}, at worst {100 * worst:.3g} % of the path, yaw included"
     return cli.ended(ExitCode.TOLERANCE, how, where, remedy)

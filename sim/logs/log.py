@@ -150,21 +150,21 @@ def read_log(
         OSError: It cannot be read.
     """
     try:
-        return _log(_table(path), joints, legs, angles)
+        return _log(_table(path, joints), joints, legs, angles)
     except (FileNotFoundError, IsADirectoryError) as error:
         raise UsageError("no such log", str(path), "check the path") from error
     except (ValueError, csv.Error) as error:
         raise UsageError.at(str(path), error, "correct the file") from error
 
 
-def _table(path: Path) -> dict[str, Array]:
+def _table(path: Path, joints: Sequence[str]) -> dict[str, Array]:
     """Columns of numbers by name, NaN where cells are empty."""
     text = read_file(path, LARGEST_LOG).decode("utf-8-sig", "replace")
     if "\0" in text:
         raise ValueError("it has zero bytes, as UTF-16 does; save it in UTF-8, without")
     parted = max(",;\t", key=text.lstrip("\r\n").partition("\n")[0].count)
     lines = (row for row in csv.reader(text.splitlines(), delimiter=parted) if row)
-    names = [name.strip() for name in next(lines, [])]
+    names = [n if n in joints else n.strip() for n in next(lines, [])]
     if TIME not in names:
         raise ValueError("no column 'time'; begin with a line of names: time, JOINT")
     if twice := Counter(names) - Counter(set(names)):

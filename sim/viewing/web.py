@@ -110,6 +110,7 @@ def _launch(
         # are answered, nor silence; it keeps its layout in the person's home.
         with (
             patch.object(ux, "save_settings", lambda *_: None),
+            patch.object(ux, "load_settings", lambda def_theme: def_theme),
             patch.object(web_server, "bind_public_socket", lambda *_: bound),
             patch.object(web_server, "bind_loopback_socket", own),
             patch.object(web_server, "serve", access.serve),

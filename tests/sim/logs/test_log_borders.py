@@ -213,3 +213,11 @@ def test_a_missing_log_and_one_in_utf_16_are_what_was_given_wrongly(tmp_path):
     path.write_text("time,hip_1\n0,0\n1,0.1\n", encoding="utf-16")
     with pytest.raises(UsageError, match="zero bytes, as UTF-16 does: .*; save it in"):
         read_log(path, ("hip_1",), (1,))
+
+
+def test_blanks_around_names_do_not_count_unless_they_are_part_of_a_joint_s(tmp_path):
+    path = tmp_path / "log.csv"
+    path.write_text("time , hip_1, lead,lead\n0,0,1,2\n1,0,1,2\n")
+    log = read_log(path, ("hip_1", " lead", "lead"), (1,))
+    assert log.joints == ("hip_1", " lead", "lead")
+    assert log.commanded.tolist() == [[0, 1, 2]] * 2
