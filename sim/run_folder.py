@@ -30,7 +30,8 @@ from sim.preparation.setup import Setup
 from sim.progress import Progress, silent, stage
 from sim.runs.arrays import Arrays
 from sim.runs.run import START, Run
-from sim.scenarios.file import dumps, settings_digest
+from sim.runs.seals import MODEL, seal, seals
+from sim.scenarios.file import dumps
 from sim.scenarios.predictions import PREDICTIONS
 from sim.scenarios.scenario import Scenario
 from sim.simulation import Prepared, Simulation, simulate
@@ -86,11 +87,14 @@ class Writer:
         run = run_of(evaluation, summary, self.settings, self.folder.path)
         self.folder.write_arrays("trajectory.npz", run.arrays.items())
         self.folder.write_text("flows.csv", flows.written(run.phases))
-        self.folder.write_json("summary.json", run.summary.to_json())
         if followed := evaluation.walk.followed:
             self.folder.write_text("feedback.csv", feedback_table(followed.stops))
             if learnt := followed.learnt:
                 self.folder.write_text("learnt.toml", str(learnt))
+        sealed = seals(run.folder, run.settings, run.summary.to_json())
+        sealed[MODEL] = seal(run.folder / MODEL)
+        run = replace(run, summary=replace(run.summary, seals=sealed))
+        self.folder.write_json("summary.json", run.summary.to_json())
         return run
 
 
@@ -257,7 +261,7 @@ def run_of(
         folder=Path() if folder is None else folder.resolve(),
         settings=table,
         card_text=setup.robot.card_text,
-        summary=replace(summary, settings=settings_digest(table)),
+        summary=summary,
         phases=carried_out(walk),
         arrays=trajectory(evaluation),
         commands=Arrays(("time", "ctrl"), commands),

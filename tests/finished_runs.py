@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from models.description import parse_toml
 from sim.evaluation.flows import WalkedPhase
-from sim.scenarios.file import settings_digest
+from sim.runs.seals import MODEL, seal, seals
 
 
 def predicted_elsewhere(run, place):
@@ -26,6 +26,14 @@ def reset(folder, change, **numbers):
     changed = change(text)
     assert changed != text
     (folder / "scenario.toml").write_text(changed)
-    summary = json.loads((folder / "summary.json").read_text())
-    summary |= {"settings": settings_digest(parse_toml(changed)), **numbers}
-    (folder / "summary.json").write_text(json.dumps(summary))
+    sealed(folder, **numbers)
+
+
+def sealed(folder, **numbers):
+    """Make whatever files a run has been given, and numbers of its summary, its own."""
+    path = folder / "summary.json"
+    summary = json.loads(path.read_text()) | numbers
+    scenario = parse_toml((folder / "scenario.toml").read_text())
+    summary["seals"] = seals(folder, scenario, summary)
+    summary["seals"][MODEL] = seal(folder / MODEL)
+    path.write_text(json.dumps(summary))

@@ -229,7 +229,7 @@ class Summary(Numbers):
     simulated_time: float  # [s]
     timestep: float  # [s]
     versions: Mapping[str, str] = field(default_factory=dict)
-    settings: str | None = None  # digest of those in scenario.toml that decide a walk
+    seals: Mapping[str, str | None] | None = None  # of the files of a run folder
     fallback: str | None = None
     least_time: float | None = None  # [s] of an optimised plan, holds left out
     missed: list[float] = field(default_factory=list)  # off the goal, by walk [m]
@@ -261,8 +261,8 @@ class Summary(Numbers):
     def to_json(self) -> dict[str, object]:
         """The fields as plain values; what needs a goal or a folder may be absent."""
         table = super().to_json()
-        if self.settings is None:
-            del table["settings"]
+        if self.seals is None:
+            del table["seals"]
         if self.goal is None:
             del table["goal"], table["missed"]
         if self.measured is None:

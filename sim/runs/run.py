@@ -25,15 +25,15 @@ from sim.evaluation.summary import Summary
 from sim.feedback.stops import Stop, read as read_stops
 from sim.motion.poses import compose, rotate, wrap
 from sim.runs.arrays import archive, plain_json, reading
+from sim.runs.seals import MODEL, seal, seals
 from sim.scenarios import body_path, obstacles
-from sim.scenarios.file import anchor, scenario_from, settings_digest
+from sim.scenarios.file import anchor, scenario_from
 from sim.scenarios.predictions import PREDICTIONS, best
 from sim.scenarios.scenario import Scenario
 
 SURE = 2.146  # standard deviations of a normal point in the plane that hold 90 %
 NOMINAL_POINTS = 400  # of the nominal path as it is drawn
 PLACES = ("contact_point", "center_of_mass")  # arrays of points that are not poses
-SAME = 1e-6  # [s] or [m]; by how far files of one walk may end apart
 START = "world_start_pose"  # array with the frame in which poses are given
 
 
@@ -74,9 +74,11 @@ class Run:
     @cached_property
     def model_file(self) -> Path:
         """MJCF file of robot and world, which has been found fit to be compiled."""
-        path = self.folder / "model.xml"
+        path = self.folder / MODEL
         if not self.inspected:
             description.inspect_model(path, remedy="walk the scenario again")
+            with reading(self.folder):
+                self.require_sealed({MODEL: seal(path)})
         return path
 
     @cached_property
@@ -88,6 +90,12 @@ class Run:
         self.require_width(self.qpos, model.nq)
         self.require_width(self.qvel, model.nv)
         return model
+
+    def require_sealed(self, own: Mapping[str, str | None]) -> None:
+        """Refuse files, with a ValueError, whose seals the summary does not have."""
+        told = self.summary.seals
+        if isinstance(told, Mapping) and own != {name: told.get(name) for name in own}:
+            raise ValueError("its files are of different walks, or were changed")
 
     def require_width(self, array: Array, width: int) -> None:
         """Refuse states or commands that are not those of the model."""
@@ -251,14 +259,15 @@ def read_run(folder: Path, *, inspected: bool = False) -> Run:
     """
     stops = folder / "feedback.csv"
     with reading(folder):
-        open_file(folder / "model.xml").close()  # without which nothing can be shown
+        open_file(folder / MODEL).close()  # without which nothing can be shown
         card = read_text(folder / "model.toml")
         feet = len(description.parse_card(card, str(folder / "model.toml")).legs)
+        summary = plain_json(read_file(folder / "summary.json"))
         run = Run(
             folder=folder.resolve(),
             settings=description.parse_toml(read_text(folder / "scenario.toml")),
             card_text=card,
-            summary=Summary.read(plain_json(read_file(folder / "summary.json"))),
+            summary=Summary.read(summary),
             phases=flows.read(read_text(folder / "flows.csv")),
             arrays=archive(folder, "trajectory.npz", feet, (START,), not inspected),
             commands=archive(folder, "commands.npz", feet, (), not inspected),
@@ -267,27 +276,11 @@ def read_run(folder: Path, *, inspected: bool = False) -> Run:
         )
         _ = run.nominal, run.obstacles  # which say in time what is wrong
         if not inspected:
-            _require_one_walk(run)
+            run.require_sealed(seals(run.folder, run.settings, summary))
+            flows.require_known(run.phases, run.card)
+        if "ctrl" not in [*run.commands]:
+            raise KeyError("ctrl in commands.npz")
+        weighed = run.summary.weighed
+        if weighed and weighed.prediction not in [*run.predicted]:
+            raise ValueError(f"unknown prediction {weighed.prediction!r}")
     return run
-
-
-def _require_one_walk(run: Run) -> None:
-    """Refuse files that are of different walks, with a ValueError."""
-    flows.require_known(run.phases, run.card)
-    if "ctrl" not in [*run.commands]:
-        raise KeyError("ctrl in commands.npz")
-    clock, end = run.commands["time"], run.time[-1]
-    ends = end - clock[-1] - np.diff(clock).max(initial=0.0), end - run.phases[-1].end
-    achieved, goal = run.summary.achieved, run.summary.goal
-    walked = [o for o in run.phases if o.start >= run.summary.walk_starts - SAME]
-    slips = [achieved.slip - sum(phase.slip for phase in walked)]
-    if achieved.slip_swing is not None:
-        swings = (phase.slip for phase in walked if phase.kind == "swing")
-        slips.append(achieved.slip_swing - sum(swings))
-    unlike = run.summary.settings not in (None, settings_digest(run.settings))
-    beside = () if goal is None else run.nominal[-1] - goal
-    off = np.abs([*ends, *slips, *(run.achieved[-1] - achieved.pose), *beside]).max()
-    if unlike or off > SAME or run.segments > max(run.summary.segments, 1):
-        raise ValueError("its files are of different walks, or were changed")
-    if run.summary.weighed and run.summary.weighed.prediction not in [*run.predicted]:
-        raise ValueError(f"unknown prediction {run.summary.weighed.prediction!r}")

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import sys
 from collections.abc import Iterable, Mapping
 from copy import deepcopy
@@ -28,7 +26,6 @@ KEYS = (*SETTINGS, "path", "obstacles")
 OF_SWEEPS = {"scenario", "grid", "list", "sobol", "keep"}
 CALLED = {"mu": "friction", "goal": "path", "speed": "swing_speed"}  # other words
 TABLES = {name for name, item in SETTINGS.items() if item.includes(Mapping)}
-FREE = {k for k, s in SETTINGS.items() if s.affects <= {"label", "film", "refusal"}}
 FOLDER = Path(str(files("sim.scenarios")))
 
 
@@ -239,13 +236,6 @@ def _renamed(table: Table, where: str) -> Values:
             raise UsageError.of("renamed", where, old=old, new=FORMER[old])
         announce(old, FORMER[old])
     return {FORMER.get(key, key): value for key, value in table.items()}
-
-
-def settings_digest(table: Table) -> str:
-    """Digest of what decides a walk in the table of a scenario's file."""
-    own = {key: value for key, value in table.items() if key not in FREE}
-    text = json.dumps(own, sort_keys=True, default=str)
-    return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 @cache

@@ -13,6 +13,7 @@ from sim.cli import main
 from sim.errors import UsageError
 from sim.runs.run import read_run
 from tests.commands import forbidden, refusal, run
+from tests.finished_runs import sealed
 from tests.sim.test_damaged_runs import COMMANDS
 
 
@@ -36,6 +37,45 @@ def test_files_of_another_walk_are_refused(other, folder, tmp_path, capsys, file
     words = ("export", str(folder), "--format", "csv", "--out", str(tmp_path / "e.csv"))
     assert main(words) == 2
     assert "its files are of different walks" in capsys.readouterr().err
+    assert not (tmp_path / "e.csv").exists()
+
+
+def moved(name):
+    """Change an array of a file in the middle alone."""
+
+    def change(path):
+        with np.load(path) as file:
+            kept = dict(file)
+        kept[name][len(kept[name]) // 2] += 1e-3
+        np.savez(path, **kept)
+
+    return change
+
+
+def reworded(own, others):
+    def change(path):
+        assert own in (text := path.read_text())
+        path.write_text(text.replace(own, others, 1))
+
+    return change
+
+
+@pytest.mark.physics
+@pytest.mark.parametrize(
+    ("file", "change"),
+    [
+        ("commands.npz", moved("ctrl")),
+        ("trajectory.npz", moved("achieved_pose")),
+        ("flows.csv", reworded("swing", "lift")),
+        ("model.xml", reworded('timestep="0.001"', 'timestep="0.002"')),
+        ("summary.json", reworded('"bounces": ', '"bounces": 1')),
+    ],
+)
+def test_files_that_were_changed_are_refused(folder, tmp_path, capsys, file, change):
+    change(folder / file)
+    words = ("export", str(folder), "--format", "csv", "--out", str(tmp_path / "e.csv"))
+    assert main(words) == 2
+    assert "of different walks, or were changed" in capsys.readouterr().err
     assert not (tmp_path / "e.csv").exists()
 
 
@@ -107,7 +147,7 @@ def test_a_summary_of_what_cannot_be_is_refused(
 ):
     summary = json.loads((folder / "summary.json").read_text())
     summary[table][key] = value
-    (folder / "summary.json").write_text(json.dumps(summary))
+    sealed(folder, **summary)
     assert main(["show", str(folder), "--no-browser"]) == 2
     assert said in capsys.readouterr().err
 
@@ -118,6 +158,7 @@ def test_angles_that_no_joint_turns_to_are_not_exported(folder, capsys, form):
     with np.load(folder / "commands.npz") as file:
         kept = dict(file)
     np.savez(folder / "commands.npz", **kept | {"ctrl": kept["ctrl"] + 9e8})
+    sealed(folder)
     out = folder.parent / "out"
     words = ("export", str(folder), "--no-play", "--format", form, "--out", str(out))
     assert main(words) == 2

@@ -12,6 +12,7 @@ import pytest
 from sim.cli import main
 from sim.commands.declared import COMMANDS, GUESSES
 from sim.commands.parsing import parser
+from tests.finished_runs import sealed
 
 
 @pytest.mark.parametrize("words", [[], ["help"], ["--help"], ["-h"]], ids=" ".join)
@@ -273,7 +274,7 @@ def test_what_to_cite_is_told_for_the_program_and_for_a_run(folder, capsys):
 def test_the_version_of_a_run_ends_no_entry_of_a_bibliography(folder, capsys):
     summary = json.loads((folder / "summary.json").read_text())
     summary["versions"]["stratawalk"] = "1.0}}\n@misc{evil, title = {x}"
-    (folder / "summary.json").write_text(json.dumps(summary))
+    sealed(folder, **summary)
     assert main(["cite", str(folder)]) == 0
     said = capsys.readouterr().out
     assert "version = {1.0miscevil" in said

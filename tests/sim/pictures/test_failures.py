@@ -13,6 +13,7 @@ from sim.pictures.file import check_encoder, count_pictures, encoding, join
 from sim.pictures.run_film import Piece, film_folder
 from sim.runs.run import read_run
 from tests.commands import FORKS
+from tests.finished_runs import sealed
 from tests.screen import FFMPEG, decode
 
 
@@ -117,6 +118,7 @@ def test_a_model_without_a_foot_of_the_card_is_refused(folder):
     """And not by the processes that draw, as a film that fails."""
     model = folder / "model.xml"
     model.write_text(model.read_text().replace('"foot_1"', '"toe_1"'))
+    sealed(folder)
     with pytest.raises(UsageError, match="its files do not fit together"):
         film_folder(folder, stretch=(0.0, 1.0))
 
@@ -160,6 +162,7 @@ def test_a_missing_array_is_named(folder):
         arrays = dict(file)
     del arrays["world_start_pose"]
     np.savez(folder / "trajectory.npz", **arrays)
+    sealed(folder)
     with pytest.raises(UsageError, match="it lacks 'world_start_pose'"):
         read_run(folder).in_world()
 
