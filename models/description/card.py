@@ -11,7 +11,13 @@ from itertools import chain
 from math import inf
 from typing import Any
 
-from models.description.servos import BOARD_CLOCK, JointServo, ServoKind, servo_of
+from models.description.servos import (
+    BOARD_CLOCK,
+    DIVIDERS,
+    JointServo,
+    ServoKind,
+    servo_of,
+)
 from models.errors import message
 from planner.support import unknown
 
@@ -149,6 +155,7 @@ class Card:
     servo: Servo | None = None
     joint_servos: Mapping[str, JointServo] = field(default_factory=dict)
     board_clock: float = BOARD_CLOCK  # of the board that gives pulses [Hz]
+    board_divider: int = 0  # of it, for which counts of servos are; 0: the make's
     start: Mapping[str, float] = field(default_factory=dict)  # joint -> angle [rad]
     learnt: tuple[float, ...] = ()  # by a walk with feedback, of what segments miss
     # settings of scenarios that logs of the robot told, and what was said of them
@@ -165,6 +172,8 @@ class Card:
         if not low <= self.board_clock <= high:
             facts = {"low": low, "high": high, "given": self.board_clock}
             raise ValueError(message("clock", **facts))
+        if self.board_divider not in (0, *range(DIVIDERS[0], DIVIDERS[1] + 1)):
+            raise ValueError(message("divider", given=self.board_divider))
         if not self.description.isprintable():
             raise ValueError("description must be one line of printable text")
         self._check_groups()

@@ -21,7 +21,7 @@ KEYS = {
     "gait": ("strata", "least_load"),
     "pattern": ("strata", "groups", "twist"),
     "servo": ("stiffness", "damping", "kind", *NUMBERS),
-    "board": ("clock",),
+    "board": ("clock", "divider"),
     "start": (),
     "learnt": ("numbers",),
     "fitted": (),
@@ -72,6 +72,7 @@ def _card(table: Table) -> card.Card:
             if isinstance(value, dict)
         },
         board_clock=board.number("clock", BOARD_CLOCK),
+        board_divider=board.whole("divider", 0),
         start=table.gains("start"),
         learnt=learnt.numbers("numbers") if "learnt" in table else (),
         fitted=table.table("fitted").values,

@@ -117,7 +117,8 @@ def _calibrated(
     card, number = robot.card, len(robot.card.joints)
     file = robot.path.with_suffix(".toml")
     known, pulse = dict(card.joint_servos), kind.signal == "pulse"
-    clock = card.board_clock if "board" in parse_toml(robot.card_text) else None
+    board = parse_toml(robot.card_text).get("board", {})
+    clock = card.board_clock if "clock" in board else None
     _require_room(robot)
     free = {*BOARD_CHANNELS} - {servo.channel for servo in known.values()}
     if pulse and number - len(known) > len(free):
@@ -134,10 +135,13 @@ def _calibrated(
             print(printable(how))
         if pulse and not known and clock is None:
             clock = _clock(ask)
-        for joint, servo in _found(robot, kind, known, clock, ask):
+        rate, assumed = kind.command_rate, clock or BOARD_CLOCK
+        divider = card.board_divider or pulse * board_divider(rate, assumed)
+        for joint, servo in _found(robot, kind, known, divider, ask):
             known[joint] = servo
+            text = card_with(robot.card_text, known, clock, divider)
             with whole(file) as part:
-                part.write_text(card_with(robot.card_text, known, clock), "utf-8")
+                part.write_text(text, "utf-8")
     check = command("calibrate", robot.path, "--check")
     return {"card": f"{file}, {len(known)} servos", "next": check}
 
@@ -146,7 +150,7 @@ def _require_room(robot: Robot) -> None:
     """Refuse a card that would not be TOML with the servos of all joints."""
     servos = dict.fromkeys(robot.card.joints, JointServo())
     try:
-        parse_toml(card_with(robot.card_text, servos, BOARD_CLOCK))
+        parse_toml(card_with(robot.card_text, servos, BOARD_CLOCK, 4))
     except ValueError as error:
         card, why = robot.path.with_suffix(".toml"), str(error).partition(" (at")[0]
         raise UsageError.of("unwritten", card, why=why) from error
@@ -168,11 +172,11 @@ def _found(
     robot: Robot,
     kind: ServoKind,
     known: Mapping[str, JointServo],
-    clock: float | None,
+    divider: int,
     ask: _Asker,
 ) -> Iterator[tuple[str, JointServo]]:
     """Servos of joints, channel after channel, until every joint has one."""
-    clock, taken = clock or BOARD_CLOCK, {servo.channel for servo in known.values()}
+    taken = {servo.channel for servo in known.values()}
     left = [joint for joint in robot.card.joints if joint not in known]
     channels = BOARD_CHANNELS if kind.signal == "pulse" else BUS_NUMBERS
 
@@ -190,7 +194,7 @@ def _found(
                 for mark, angle in enumerate(angles, start=1)
             )
             try:
-                return joint_servo(kind, clock, channel, turned, (one, two), angles)
+                return joint_servo(kind, divider, channel, turned, (one, two), angles)
             except ValueError as error:
                 ask.refuse(error)
 

@@ -36,7 +36,7 @@ OWN = re.compile(r"""[ \t]*\[[ \t]*(["']?)(servo\1[ \t]*\.|board\1[ \t]*\])""")
 
 def joint_servo(
     kind: ServoKind,
-    clock: float,
+    divider: int,
     channel: int,
     turned: str,
     counts: tuple[int, int],
@@ -44,8 +44,9 @@ def joint_servo(
 ) -> JointServo:
     """The servo of a joint that stood at two counts at two angles [rad].
 
-    It turned from the first to the second as counts grew, `+`, or back, `-`. Answers
-    that cannot be are a ValueError, which says what to look at.
+    It turned from the first to the second as counts grew, `+`, or back, `-`. Counts of
+    pulses become those of a board that divides its clock by `divider`. Answers that
+    cannot be are a ValueError, which says what to look at.
     """
     if turned not in WAYS:
         raise ValueError(f"answer + or -, not {turned!r}")
@@ -57,9 +58,8 @@ def joint_servo(
     if not LIKELY * likely < needed < likely / LIKELY:
         facts = {"needed": needed, "angle": degrees(apart), "likely": likely}
         raise ValueError(message("unlikely", **facts))
-    longer, rate = 1.0, kind.command_rate
-    if kind.signal == "pulse":
-        longer = board_divider(rate, clock) / board_divider(rate)
+    pulse = kind.signal == "pulse"
+    longer = divider / board_divider(kind.command_rate) if pulse else 1.0
     return JointServo(
         channel=channel,
         sign=WAYS[turned],
@@ -75,11 +75,17 @@ def marks(robot: Robot, joint: str) -> tuple[float, float]:
     return max(stands - MARK, low), min(stands + MARK, high)
 
 
-def card_with(text: str, servos: Mapping[str, JointServo], clock: float | None) -> str:
+def card_with(
+    text: str, servos: Mapping[str, JointServo], clock: float | None, divider: int
+) -> str:
     """A card's text with servos, and a measured clock, in place of those it had."""
     lines = [without_tables(text, OWN)]
+    if clock is not None or divider:
+        lines += ["", "[board]"]
     if clock is not None:
-        lines += ["", "[board]", f"clock = {clock:.0f}  # [Hz], measured"]
+        lines += [f"clock = {clock:.0f}  # [Hz], measured"]
+    if divider:
+        lines += [f"divider = {divider}  # of the clock, for the counts below"]
     for joint, servo in servos.items():
         found = ((name, getattr(servo, name)) for name in NUMBERS)
         numbers = [f"{name} = {x:.8g}" for name, x in found if x is not None]

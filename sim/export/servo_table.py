@@ -18,7 +18,14 @@ import numpy as np
 import yaml
 
 from models import SERVO_KINDS, Card, JointServo, ServoKind
-from models.description import BOARD_CLOCK, BOARD_COUNTS as FRAME, Table, board_rate
+from models.description import (
+    BOARD_CLOCK,
+    BOARD_COUNTS as FRAME,
+    Table,
+    board_divider,
+    board_rate,
+    servo_of,
+)
 from planner import Array
 from planner.support import read_file
 from sim.errors import UsageError, telling
@@ -144,6 +151,8 @@ def servo_table(
         make = PWM if pwm else None
     if make and pwm and FRAMES[0] <= rate <= FRAMES[1]:
         make = make.at_rate(board_rate(rate, card.board_clock))
+    if make and pwm and given is None:
+        known = _in_frames(card, make)
     servos = [
         _channel(joint, number, known.get(joint, JointServo()), make, pwm)
         for number, joint in enumerate(joints)
@@ -156,6 +165,22 @@ def servo_table(
         clock=card.board_clock,
         assumed=not known.keys() >= set(joints),
     )
+
+
+def _in_frames(card: Card, make: ServoKind) -> dict[str, JointServo]:
+    """Servos of a card, their counts those of a make's frames, which may be longer."""
+    now = board_divider(make.command_rate, card.board_clock)
+    then, own = card.board_divider, card.servo
+    if not then and own and own.made:
+        built = servo_of(own.made, own.data)
+        pulse, rate = built.signal == "pulse", built.command_rate
+        then = board_divider(rate, card.board_clock) if pulse else now
+    finer, found = (then or now) / now, {}
+    for joint, servo in card.joint_servos.items():
+        center, counts = servo.center, servo.counts_per_radian
+        own = center and center * finer, counts and counts * finer
+        found[joint] = replace(servo, center=own[0], counts_per_radian=own[1])
+    return found
 
 
 def _require_counts(joints: Sequence[str], known: Mapping[str, JointServo]) -> None:

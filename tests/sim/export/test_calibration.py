@@ -103,6 +103,32 @@ def test_a_hidden_board_is_found_to_half_a_count(calibrate, clock):
         assert np.abs(servo.counts(angles) - true).max() <= 0.5 * NOMINAL / divider
 
 
+@pytest.mark.parametrize("rate", [40.0, 50.0, 60.0, 100.0, 300.0])
+@pytest.mark.parametrize("told", [None, 25.87e6])
+def test_servos_are_given_the_pulses_they_were_found_at(calibrate, rate, told):
+    """At any rate of frames, and if the clock was measured after the servos."""
+    board = Board(3, 25.87e6)
+    owner = board.owner()
+    assert calibrate(lambda q: "" if "clock" in q else owner(q), ROBOT) == 0
+    path = Path("calibration/hexapod-classroom.toml")
+    text = path.read_text()
+    assert f"divider = {NOMINAL}" in text
+    if told:
+        text = text.replace("[board]", f"[board]\nclock = {told:.0f}")
+        path.write_text(text)
+    card, robot = found()[0], load(ROBOT)
+    for asked in (rate, 0.0):
+        table = servo_table(card, card.joints, MAKE, pwm=True, rate=asked)
+        divider = board_divider(table.frame_rate, card.board_clock)
+        for servo in table.channels:
+            angles = np.linspace(*marks(robot, servo.joint), 9)
+            true = board.count(servo.joint, angles, divider)
+            off = servo.center + servo.sign * servo.counts_per_radian * (
+                angles - servo.offset
+            )
+            assert np.abs(off - true).max() <= 0.51 * NOMINAL / divider
+
+
 def test_sketch_and_script_jog_a_servo_by_as_many_counts(calibrate):
     assert calibrate(Board(1).owner(), ROBOT) == 0
     script = files("sim.templates").joinpath("bus.txt").read_text()
@@ -142,7 +168,7 @@ def told_of(capsys):
 )
 def test_answers_that_cannot_be_are_refused(turned, counts, said):
     with pytest.raises(ValueError, match=said):
-        joint_servo(MAKE, 25e6, 0, turned, counts, (-0.5, 0.5))
+        joint_servo(MAKE, 102, 0, turned, counts, (-0.5, 0.5))
 
 
 def test_a_servo_on_a_bus_is_asked_for_by_the_line_that_jogs_it(calibrate, tmp_path):

@@ -33,12 +33,12 @@ def test_half_to_twice_the_counts_of_the_make_are_believed(share, fine):
     needed = round(share * apart / MG90.resolution)
     counts = (300, 300 + needed)
     if fine:
-        found = joint_servo(MG90, 25e6, 2, "+", counts, (-0.5, 0.5))
+        found = joint_servo(MG90, 102, 2, "+", counts, (-0.5, 0.5))
         assert found.counts_per_radian == pytest.approx(needed)
     else:
         said = f"{needed} counts for 57 degrees, and its make takes 111"
         with pytest.raises(ValueError, match=said):
-            joint_servo(MG90, 25e6, 2, "+", counts, (-0.5, 0.5))
+            joint_servo(MG90, 102, 2, "+", counts, (-0.5, 0.5))
 
 
 @pytest.mark.parametrize("clock", [25e6, 26.5e6])
@@ -46,19 +46,20 @@ def test_half_to_twice_the_counts_of_the_make_are_believed(share, fine):
 def test_centre_offset_and_sign_follow_from_two_marks(clock, turned):
     """The divider of a board is rounded for its clock, and that of the ideal one."""
     counts = (280, 400) if turned == "+" else (400, 280)
-    found = joint_servo(MG90, clock, 5, turned, counts, (-0.4, 0.8))
-    longer = board_divider(60.0, clock) / board_divider(60.0)
+    divider = board_divider(60.0, clock)
+    found = joint_servo(MG90, divider, 5, turned, counts, (-0.4, 0.8))
+    longer = divider / board_divider(60.0)
     assert (found.channel, found.sign) == (5, 1 if turned == "+" else -1)
     assert found.center == pytest.approx(340 / longer)
     assert found.offset == pytest.approx(0.2)
     assert found.counts_per_radian == pytest.approx(100 / longer)
     bus = joint_servo(
-        BUS, clock, 5, turned, counts if turned == "+" else (400, 280), (-0.4, 0.4)
+        BUS, 0, 5, turned, counts if turned == "+" else (400, 280), (-0.4, 0.4)
     )
     assert bus.counts_per_radian == pytest.approx(150.0)
     still = (300, 300)
     with pytest.raises(ValueError, match="look at the marks again"):
-        joint_servo(MG90, clock, 5, turned, still, (-0.4, 0.8))
+        joint_servo(MG90, divider, 5, turned, still, (-0.4, 0.8))
 
 
 def test_marks_are_thirty_degrees_away_or_at_the_end_of_the_range():
@@ -135,15 +136,16 @@ def test_servos_replace_those_of_a_card_and_leave_other_tables():
     servo = JointServo(
         channel=3, sign=-1, center=301.5, offset=0.25, limits=(-1.0, 1.5)
     )
-    card = card_with(text, {"one": servo}, 25_870_000.4)
+    card = card_with(text, {"one": servo}, 25_870_000.4, 105)
     lines = card.splitlines()
     assert lines[:3] == ["name = 1", "[legs]", "x = 1"]
     assert "clock = 25870000  # [Hz], measured" in lines
+    assert "divider = 105  # of the clock, for the counts below" in lines
     below = lines[lines.index("[servo.one]") + 1 :]
     numbers = ["channel = 3", "sign = -1", "center = 301.5", "offset = 0.25"]
     assert below == [*numbers, "limits = [-1.0, 1.5]"]
-    assert "[board]" not in card_with("a = 1\n", {}, None)
-    assert card_with("a = 1\n", {}, None) == "a = 1\n"
+    assert card_with("a = 1\n", {}, None, 0) == "a = 1\n"
+    assert "[board]\ndivider = 102" in card_with("a = 1\n", {}, None, 102)
 
 
 @pytest.mark.parametrize("step", [31, -31, 32, -32, 300, 1])

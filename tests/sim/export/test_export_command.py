@@ -16,6 +16,7 @@ from sim.run_folder import run
 from sim.scenarios.body_path import line
 from sim.scenarios.scenario import Scenario
 from sim.templates import render
+from tests.finished_runs import sealed
 from tests.walks import COSTLY
 
 SHORT = (
@@ -43,8 +44,7 @@ def judged_otherwise(folder, to, **changes):
     shutil.copytree(folder, to)
     told = json.loads((to / "summary.json").read_text())
     weighed = told["weighed"] | changes.pop("weighed", {})
-    told |= {**changes, "weighed": weighed}
-    (to / "summary.json").write_text(json.dumps(told))
+    sealed(to, **changes, weighed=weighed)
     return to
 
 

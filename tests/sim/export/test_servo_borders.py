@@ -22,7 +22,7 @@ MG90, BUS = SERVO_KINDS["mg90"], SERVO_KINDS["ax-12"]
 JOINTS = ("one", "other")
 
 
-CARD = SimpleNamespace(joint_servos={}, board_clock=25e6)
+CARD = SimpleNamespace(joint_servos={}, board_clock=25e6, board_divider=0, servo=None)
 
 
 def table(make=MG90, pwm=True, given=None, rate=0.0, card=CARD):
