@@ -1,7 +1,5 @@
 """Checks that model and card describe a robot that can walk; see `checks.toml`."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterator
 

@@ -1,7 +1,5 @@
 """Loading of robots: shipped ones by name, those of users by their MJCF file."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from difflib import get_close_matches

@@ -1,7 +1,5 @@
 """Ten robots as others draw them, to be adopted: python -m scripts.adoptees spider."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass

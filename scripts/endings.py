@@ -1,7 +1,5 @@
 """Run something in a process and a folder of its own, and end all of it in time."""
 
-from __future__ import annotations
-
 import faulthandler
 import math
 import multiprocessing

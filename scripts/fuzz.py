@@ -9,8 +9,6 @@ loaded libraries and built the parser; what seems wrong there is run once more b
 real command, and that decides. Failed cases are kept in a folder, each with its files.
 """
 
-from __future__ import annotations
-
 import gc
 import json
 import os

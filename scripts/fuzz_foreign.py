@@ -5,8 +5,6 @@ returns the words of the command to run there; a text is what is found wrong alr
 What they begin with is made once.
 """
 
-from __future__ import annotations
-
 import io
 import json
 import random

@@ -4,8 +4,6 @@ Every kind is a function that writes its files into a folder and returns the wor
 the command to run there.
 """
 
-from __future__ import annotations
-
 import random
 import re
 import tempfile

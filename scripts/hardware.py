@@ -7,8 +7,6 @@ github.com/chrismailer/hexapod-sim and writes 5 s of joint angles, 240 a second,
 the parameters of its makers' experiment; docs/hardware.md says what came of it.
 """
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 from xml.etree import ElementTree

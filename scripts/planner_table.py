@@ -8,8 +8,6 @@ Example:
     python -m scripts.planner_table docs/planner-table.md
 """
 
-from __future__ import annotations
-
 import json
 import math
 import time

@@ -7,8 +7,6 @@ results are printed alone. A row that does not end as it must is marked, and the
 ends with 1.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import shlex

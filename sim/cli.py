@@ -1,7 +1,5 @@
 """The command `stratawalk`; errors end it with one line and an exit code."""
 
-from __future__ import annotations
-
 import runpy
 
 if __name__ == "__main__":  # begin as the installed command does, before all else loads

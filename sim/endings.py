@@ -4,8 +4,6 @@ Every ending before the end says what is done and kept, and the command that goe
 Work of which something is kept says so while it lasts; this module remembers it.
 """
 
-from __future__ import annotations
-
 import shlex
 import signal
 from collections.abc import Callable, Iterator, Sequence

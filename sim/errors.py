@@ -4,8 +4,6 @@ Every error is one line, `what: where; what to do`. This module alone assigns ex
 codes to the errors of `planner` and `models`.
 """
 
-from __future__ import annotations
-
 import errno
 import traceback
 from collections.abc import Iterator

@@ -4,8 +4,6 @@ A terminal shows no bar if it cannot draw one or its user wants plain text: `TER
 `dumb`, or `NO_COLOR` is set to anything at all (no-color.org).
 """
 
-from __future__ import annotations
-
 import os
 import sys
 import time

@@ -1,7 +1,5 @@
 """The run folder: everything about a simulation, written as soon as it exists."""
 
-from __future__ import annotations
-
 import shutil
 import time
 import warnings

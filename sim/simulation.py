@@ -1,7 +1,5 @@
 """The main job: plan, walk and compare. `sim.run_folder` writes the results."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Collection, Iterator

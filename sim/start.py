@@ -4,8 +4,6 @@ Loading `sim.cli` takes a tenth of a second. Ctrl-C ends the command during this
 the same way as later.
 """
 
-from __future__ import annotations
-
 import atexit
 import gc
 import os

@@ -1,7 +1,5 @@
 """The versions of the software that produced a run's numbers."""
 
-from __future__ import annotations
-
 import platform
 from contextlib import suppress
 from functools import cache

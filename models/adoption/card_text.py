@@ -1,7 +1,5 @@
 """The text of a drafted card: legs, posture, groups and gait, and what was guessed."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

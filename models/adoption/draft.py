@@ -1,7 +1,5 @@
 """The draft of a card, together with the guesses that it rests on."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import chain

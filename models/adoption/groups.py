@@ -7,8 +7,6 @@ whole numbers where a pivot nearby allows it. How far groups swing before their 
 touch is found on a grid of both angles, on the ground and lifted.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass

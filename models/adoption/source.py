@@ -6,8 +6,6 @@ one of a leg ends as far beyond its centre of mass as that is from its joint. Wh
 link has a shape that collides, the shapes that are only drawn do.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import xml.etree.ElementTree as ET

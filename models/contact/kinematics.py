@@ -10,8 +10,6 @@ geom touches the floor vertically below a point that is fixed in the leg; one wi
 or corners touches with these.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property

@@ -4,8 +4,6 @@ A card may demand a least share of the weight on every foot on the ground. The p
 stance on three legs (Fig. 5, Sec. 6) has its bounds in closed form.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property

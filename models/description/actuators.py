@@ -1,7 +1,5 @@
 """The actuators of a compiled model: which drive a joint, and how far they turn it."""
 
-from __future__ import annotations
-
 import mujoco
 import numpy as np
 

@@ -3,8 +3,6 @@
 The classes refuse contradictory values; `checks` checks that the parts exist.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import chain

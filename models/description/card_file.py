@@ -1,7 +1,5 @@
 """Robot cards in TOML, as a file or as a custom text of an MJCF file."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from dataclasses import fields
 from pathlib import Path

@@ -4,8 +4,6 @@ Names and numbers are checked in the text and after compilation: the compiler ac
 most NaN and infinity, replaces some by defaults, and takes text that is not UTF-8.
 """
 
-from __future__ import annotations
-
 import html
 import math
 import re

@@ -5,8 +5,6 @@ gigabytes; a process with limits, this module run as a program, compiles it firs
 copies the files that its model names: those outside its folder are refused.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import re

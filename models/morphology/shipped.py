@@ -1,7 +1,5 @@
 """The shapes of the shipped robots: their legs from the numbers in `shapes.toml`."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import fields, replace
 from math import isfinite, sqrt

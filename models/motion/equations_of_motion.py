@@ -6,8 +6,6 @@ move the body, those in the air only their own angles. Further fields, numbered 
 the groups, raise the groups in the air in order, as g_{1,3} does in eq. (17).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import lru_cache
 

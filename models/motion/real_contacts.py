@@ -6,8 +6,6 @@ two groups of legs are covered as the whole rectangle of their angles; with more
 polynomial runs along the stroke alone, and holds for strokes centred at angle 0.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 

@@ -6,8 +6,6 @@ swings move the body, each about its pivot or straight ahead, and their bracket 
 across, unless the pivots coincide or neither swing turns the body.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import hypot

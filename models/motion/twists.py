@@ -4,8 +4,6 @@ Every prediction is a `TwistModel`: ideal with constant twists, quasi-static by 
 kinematics, or identified, of polynomials fitted to measurements of each loaded field.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Protocol

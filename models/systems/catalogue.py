@@ -6,8 +6,6 @@ name stand still. A Python file is executed like any program of the user. It mus
 a `Problem` under the name `problem`; the fields of its system may be functions.
 """
 
-from __future__ import annotations
-
 import inspect
 import runpy
 from collections.abc import Callable, Mapping

@@ -14,8 +14,6 @@ and with tripod 1 in the air, eq. (18), the other way round. Here are the body t
 the groups on the ground; `motion.equations_of_motion` makes the columns of them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from math import pi
 

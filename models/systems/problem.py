@@ -1,7 +1,5 @@
 """A planning problem: a system, a gait, a start and a goal."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property

@@ -3,8 +3,6 @@
 They have one stratum: the method is that of Sec. 2.1, as no contact changes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise

@@ -7,8 +7,6 @@ sufficient but not necessary. The second is the involutive closure of all fields
 gait's strata that are tangent to the first one, as the extended system of Def. 3.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise

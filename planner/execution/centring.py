@@ -6,8 +6,6 @@ flows and does not move the body. The recoveries of a plan are therefore replace
 others, which bring the leg to where its next stroke will be centred on zero.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property

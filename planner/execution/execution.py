@@ -10,8 +10,6 @@ forward or backward first. Signs are chosen once for all segments, on a sample o
 where there are many, or the elements alone are of degree 3 and more.
 """
 
-from __future__ import annotations
-
 import gc
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress

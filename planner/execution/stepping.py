@@ -9,8 +9,6 @@ itself are dropped. Meanwhile the body stands still, and legs lift in an order i
 the robot remains statically stable.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from math import ceil
 

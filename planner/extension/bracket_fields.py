@@ -4,8 +4,6 @@ Brackets that vanish as fields are left out where the algebra allows it. Bracket
 field that commutes with all others are not even formed.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import combinations

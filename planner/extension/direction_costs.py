@@ -4,8 +4,6 @@ Brackets may give a direction in theory although no range of the joints moves th
 far along it. The rank of a matrix does not show this, but the number of strokes does.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import inf

@@ -6,8 +6,6 @@ feet are in the air, eq. (13), as Assumption 2 guarantees. A field that leaves t
 bottom stratum is corrected by the lift fields (Sec. 5.1).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import chain

@@ -12,8 +12,6 @@ The name is that of Prasad, Hatton and Jayaram, "Geometric Mechanics of
 Contact-Switching Systems" (RA-L 2023).
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property

@@ -13,8 +13,6 @@ segments n, otherwise as 1/sqrt(n). A scale for each generator describes the cho
 unit of its flows, negative if it runs backward.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property

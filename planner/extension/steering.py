@@ -4,8 +4,6 @@ Brackets outside the selected elements have Hall coordinates too, in degree 2 h_
 h_i v_j. They are realised as well, unless their fields vanish.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache

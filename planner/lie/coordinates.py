@@ -11,8 +11,6 @@ A basis is a Hall basis, or the part of one that remains when the elements of an
 vanish (`lie.free_lie.LieAlgebra`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from itertools import count
 from typing import Any

@@ -5,8 +5,6 @@ higher degree than the basis has are zero. A basis may also lack elements that s
 ideal, such as brackets that vanish as fields; then these are zero as well.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache, cached_property

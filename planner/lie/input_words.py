@@ -8,8 +8,6 @@ therefore exact, at any degree, wherever brackets beyond the basis vanish. Other
 that reach the same Hall coordinates are mirrored, or shorter.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterable, Sequence
 from functools import cache
 from typing import Literal, TypeVar, get_args

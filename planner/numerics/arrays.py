@@ -1,7 +1,5 @@
 """The array type of this project, its real numbers, and the bound of rounding."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

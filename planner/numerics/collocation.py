@@ -4,8 +4,6 @@ Nodes include both ends of [0, 1]. They serve to differentiate paths, to integra
 coordinates and to compute flows of vector fields, eq. (2), to machine precision.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache

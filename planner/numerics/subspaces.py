@@ -1,7 +1,5 @@
 """Subspaces as columns of a matrix: bases, complements, and directions as text."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 import numpy as np

@@ -6,8 +6,6 @@ in position is the smallest distance within which some companion can stay of the
 the Frechet distance; that in heading is measured at the nearest of such points.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -8,8 +8,6 @@ The width of the corridor is an unknown with a high cost: the program is feasibl
 any guess, and says which width is needed where no plan keeps the tolerances.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

@@ -4,8 +4,6 @@ A program checks the corridor after a few steps of every stage, and inequalities
 ends. Here the motion is checked after many, and margins grow in the stages in need.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -5,8 +5,6 @@ is kept, and the next window begins there. The work therefore grows in proportio
 length of the path.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field

@@ -6,8 +6,6 @@ in the air, and bring it to the value that later strokes need. The columns of th
 show which of them are strokes and which are recoveries.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass

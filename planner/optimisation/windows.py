@@ -8,8 +8,6 @@ search then hops from one local optimum to the next, by seeded draws: plans do n
 depend on the machine.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, partial

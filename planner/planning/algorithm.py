@@ -1,7 +1,5 @@
 """The motion planning algorithm of Sec. 5.2: from a nominal path to flows on strata."""
 
-from __future__ import annotations
-
 from bisect import bisect_left
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress

@@ -4,8 +4,6 @@ The tables hold strings, numbers, lists and tables only, so that a system can al
 kept in a TOML file.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping, Sequence
 from operator import index

@@ -9,8 +9,6 @@ walkers with d = k = 2 whose two strokes are mirror images of each other, there 
 more factor. If all brackets of degree k + 1 vanish, the plan is exact.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import chain

@@ -10,8 +10,6 @@ Steps along a ray are planned and played many at once: on a coarse scale first, 
 one fails, then closely wherever a notable part is left, and around all maxima of it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from math import inf
 

@@ -5,8 +5,6 @@ down before the plan begins, and feet that are to be in the air at the goal lift
 after it has ended. The plan in between is made in the usual way.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import takewhile

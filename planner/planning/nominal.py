@@ -5,8 +5,6 @@ singular between two nodes, no polynomial follows the path there, and the values
 nodes do not show it; `require_regular` looks between them.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 from functools import lru_cache

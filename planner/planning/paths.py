@@ -3,8 +3,6 @@
 Angles are continuous along a path and are never wrapped.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """Rates of functions along fields, and whether they vanish where it was tried."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -11,8 +11,6 @@ direction of a point (u, v) of a linear system, u' = -b/2 u + (a - c)/2 v and
 v' = (a + c)/2 u + b/2 v, whose matrices do not depend on where flows start.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from functools import lru_cache
 from math import cos, hypot, pi, sin

@@ -7,8 +7,6 @@ an open-loop plan. `plan_step` replans one segment from a reached state, in the 
 range.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass

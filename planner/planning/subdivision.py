@@ -7,8 +7,6 @@ motion, a segment is therefore cut into about ((standing - walking) / standing)^
 or without the square. Callers decide what is bounded.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import NamedTuple

@@ -4,8 +4,6 @@ A file that is written appears under its name only once it is complete and on th
 Of files that others have made only those are read that come to an end.
 """
 
-from __future__ import annotations
-
 import errno
 import os
 import shutil

@@ -8,8 +8,6 @@ its best result and let the work go on; until then `tick` raises it again, for l
 written in C that carry on as if nothing had happened.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager

@@ -6,8 +6,6 @@ the rank at one configuration does not grow proves nothing, so fields are compar
 configurations around it. Where rounding could decide, `exact_rank` uses fractions.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Check what describes a stratified system, and bring it to one form."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from math import inf

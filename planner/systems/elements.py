@@ -4,8 +4,6 @@ An element is written as `g1_1` or `[g1_1,g2_2]`; `1` and `[1,2]` count all fiel
 the system in order of declaration. In code an element is a tree of names.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterator
 from typing import Any

@@ -5,8 +5,6 @@ A field is a column of sympy expressions in the symbols of the state, or a
 `NumericField` where it is known as a Python function only.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache

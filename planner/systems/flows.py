@@ -6,8 +6,6 @@ flows as eq. (12) does; the series of eq. (2) is `lie.tensor.Tensor.exp`. A gait
 closed walk in the graph of strata, possibly through some on which nothing flows.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass

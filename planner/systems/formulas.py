@@ -1,7 +1,5 @@
 """Formulas as strings: read without running code, written with all digits."""
 
-from __future__ import annotations
-
 import ast
 import operator
 from collections.abc import Callable, Iterable, Mapping

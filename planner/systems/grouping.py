@@ -7,8 +7,6 @@ lift fields commute with flows is checked in `extension.fields_on_bottom`. It is
 worse to stay on a stratum until no further flow can run there.
 """
 
-from __future__ import annotations
-
 import heapq
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field

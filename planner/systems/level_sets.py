@@ -1,7 +1,5 @@
 """Level sets Phi_i = 0, such as strata on which feet have height zero (Def. 1)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

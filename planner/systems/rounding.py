@@ -7,8 +7,6 @@ other counts as different from zero, in whatever unit. This suits formulas that 
 evaluated once; others are compiled by `systems.fields.compile_fields`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from functools import cache, reduce
 

@@ -4,8 +4,6 @@ Their trajectory along a plan is a cumulative sum, so ranges are checked and str
 centred without integration.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property

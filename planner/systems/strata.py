@@ -7,8 +7,6 @@ the graph of Figs. 2 and 3 if the contacts of one contain those of the other and
 third stratum lies between them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property

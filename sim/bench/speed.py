@@ -4,8 +4,6 @@ Times are medians, ratios come from interleaved pairs, which affect both sides a
 the machine changes its speed. Nothing is judged here.
 """
 
-from __future__ import annotations
-
 import resource
 import statistics
 import subprocess

@@ -1,7 +1,5 @@
 """Sweeps: throughput against a bare batch, workers against one another, memory."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import tempfile

@@ -1,7 +1,5 @@
 """Runs beside one another, beside small changes of one, and the paper's own figures."""
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Mapping, Sequence
 from functools import partial

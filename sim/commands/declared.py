@@ -1,7 +1,5 @@
 """The command line as `commands.toml` declares it: commands, options, their readers."""
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """What to do with a finished run: show its report, film it, view it, cite it."""
 
-from __future__ import annotations
-
 import argparse
 import os
 import re

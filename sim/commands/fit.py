@@ -1,7 +1,5 @@
 """`stratawalk fit`: what a robot did not come with, estimated from its logs."""
 
-from __future__ import annotations
-
 import argparse
 from collections import defaultdict
 from collections.abc import Sequence

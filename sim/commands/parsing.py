@@ -1,7 +1,5 @@
 """The command line of all commands, and its refusals, which suggest what was meant."""
 
-from __future__ import annotations
-
 import argparse
 import re
 import shlex

@@ -1,7 +1,5 @@
 """Robots: those shipped, in numbers; one adopted from its file; fields measured."""
 
-from __future__ import annotations
-
 import argparse
 import os
 import re

@@ -1,7 +1,5 @@
 """Many walks in one table: sweeps and their shards, what they say, and designs."""
 
-from __future__ import annotations
-
 import argparse
 import os
 import re

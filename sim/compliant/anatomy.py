@@ -5,8 +5,6 @@ starts. Legs of fewer hinges than others have idle ones, whose axes are zero, an
 of fewer points have absent ones, far above any floor. Other joints are rigid.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

@@ -5,8 +5,6 @@ an equilibrium, is repeated with a quarter of it. A lane that finds no equilibri
 however short the increment, ends there, and so does one whose robot tips over.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Where the parts of a robot are at given angles, and how its joints move its feet."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

@@ -3,8 +3,6 @@
 It is a second physics; sliding pushes contacts apart in it as in the engine.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 

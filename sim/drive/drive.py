@@ -4,8 +4,6 @@ Between two updates of the servos a command is held. The intended angles remain 
 the schedule, which all predictions follow.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from math import ceil, floor

@@ -5,8 +5,6 @@ over stiffness, and a moving one lags by damping times speed over stiffness. Com
 are ahead by as much. Torques are measured in a walk beforehand, on very stiff servos.
 """
 
-from __future__ import annotations
-
 from copy import copy
 from dataclasses import dataclass
 

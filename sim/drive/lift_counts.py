@@ -6,8 +6,6 @@ same feet stand. A foot passes the heights at which it may touch in a single com
 with which standing feet change their counts, too. Finer counts follow the loads.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from functools import cached_property
 

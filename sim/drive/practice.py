@@ -5,8 +5,6 @@ push it across dead bands and backlash, and the yaw adds up. A robot with the as
 slack walks each stretch several times, and commands shift by a part of what is missed.
 """
 
-from __future__ import annotations
-
 from copy import copy
 from dataclasses import replace
 

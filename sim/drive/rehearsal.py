@@ -4,8 +4,6 @@ Either is made on very stiff servos and without the imperfections of the walking
 stretch by stretch.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

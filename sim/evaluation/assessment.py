@@ -3,8 +3,6 @@
 docs/numbers.md defines every number. Files are written by `sim.run_folder`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial

@@ -5,8 +5,6 @@ The first that finds something is believed, so what would spoil any walk comes f
 `causes.toml` has the sentences.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import tan

@@ -1,7 +1,5 @@
 """The phases of a walk as they were carried out, and flows.csv, which lists them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from math import pi
 from typing import Any, NamedTuple, get_args, get_type_hints

@@ -1,7 +1,5 @@
 """Motion along a walk, as achieved and as predicted: poses, slip, margin, clearance."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property

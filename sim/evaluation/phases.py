@@ -1,7 +1,5 @@
 """Phases of a walk: their slip, and whether their contacts were as planned."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

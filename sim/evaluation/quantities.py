@@ -4,8 +4,6 @@ Terminal, report, comparison of runs and tries read it; a test holds docs/number
 against it. Sweeps have every number of the summary by its key.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from math import degrees

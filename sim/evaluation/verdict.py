@@ -1,7 +1,5 @@
 """The verdict on a walk: the first word that applies, where it ended, and the cause."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import Literal
 

@@ -5,8 +5,6 @@ stood at two marked angles. From that follow channel, sign, centre and counts a 
 counts of the divider that the sketch gives its board, whatever clock was measured.
 """
 
-from __future__ import annotations
-
 import re
 import sys
 from collections.abc import Mapping

@@ -7,8 +7,6 @@ three digits, the lowest first. Before the first row all pulses are 0. A digit t
 byte in flash and little more in the text, where a number would take three.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from itertools import islice

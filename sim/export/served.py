@@ -4,8 +4,6 @@ Each segment is planned from where feedback thinks the robot is. It is told of n
 imperfection; what segments miss is learnt from the poses that come back.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 

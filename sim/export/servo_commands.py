@@ -1,7 +1,5 @@
 """Commands of servos at their own rate, taken from a walk and played in the physics."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 

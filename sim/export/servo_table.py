@@ -178,8 +178,8 @@ def _in_frames(card: Card, make: ServoKind) -> dict[str, JointServo]:
     finer, found = (then or now) / now, {}
     for joint, servo in card.joint_servos.items():
         center, counts = servo.center, servo.counts_per_radian
-        own = center and center * finer, counts and counts * finer
-        found[joint] = replace(servo, center=own[0], counts_per_radian=own[1])
+        scaled = center and center * finer, counts and counts * finer
+        found[joint] = replace(servo, center=scaled[0], counts_per_radian=scaled[1])
     return found
 
 

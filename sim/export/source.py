@@ -4,8 +4,6 @@ Each reader takes what its writer wrote, and any other text is a ValueError. A j
 that leaves its servo's range is a UsageError.
 """
 
-from __future__ import annotations
-
 import csv
 import io
 import json

@@ -6,8 +6,6 @@ u + b + A u and some scatter, all in the frame in which the segment begins. The 
 estimates the pose, b, A, and offset and rate of a gyroscope.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import sqrt
 from typing import NamedTuple, Self

@@ -1,7 +1,5 @@
 """What a walk with feedback meant, saw, thought and did, segment by segment."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass

@@ -4,8 +4,6 @@ In the paper's units the robot is `hexapod` on the paper's kinematics, measured 
 pivots' distance.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,7 +1,5 @@
 """Fig. 8: footprints along a diagonal, turning a quarter on the way."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Fig. 7: an ellipse at constant heading in 60 segments."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Fig. 6: a straight line sideways and forward in ever more segments, and its tube."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Fig. 1: the robots whose legs swing and lift, and cannot do anything else."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 

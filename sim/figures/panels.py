@@ -1,7 +1,5 @@
 """Stratified panels: the bracket between two strata as areas of two leg angles."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from itertools import pairwise
 

@@ -5,8 +5,6 @@ A bracket of size h needs strokes of size sqrt(h) (eq. 20), so that the tube in 
 segment stays around the nominal path is as wide as the square root of its length.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache

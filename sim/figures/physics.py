@@ -1,7 +1,5 @@
 """Walks in the physics for the figures, computed in parallel."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Iterator, Mapping, MutableSequence
 from concurrent.futures import Future, ProcessPoolExecutor

@@ -1,7 +1,5 @@
 """Fig. 4: the sequence of flows of eq. (12), from stratum to stratum and back."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

@@ -5,8 +5,6 @@ system has a stratum for some of them. A gait is a closed walk along the edges. 
 both feet on the ground a biped's configurations are two sheets, which cross in S12.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations, pairwise, product

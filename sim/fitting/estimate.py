@@ -5,8 +5,6 @@ direction of which the measurements say nothing stays at its start, and is named
 unseen where more than half of what was expected is left open.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property

@@ -5,8 +5,6 @@ make, so that all joints together tell them better than each alone. The first th
 quarters of every log are fitted, and the last quarter is predicted.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import re

@@ -4,8 +4,6 @@ The compliant prediction walks the run's own commands on robots that differ a li
 side by side; Gauss and Newton's method finds the one that goes where the body went.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from math import atan2, hypot
 

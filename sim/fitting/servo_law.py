@@ -13,8 +13,6 @@ known so far, which decides how the feet share the load; it depends on the servo
 little.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import mujoco

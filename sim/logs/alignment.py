@@ -5,8 +5,6 @@ back: the direction in which the body moves, as the body sees it, is that of the
 prediction on average, however much the robot veers.
 """
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace

@@ -5,8 +5,6 @@ rest on them, those are that the robot comes to rest on. The feet that stand mov
 body, and slide on it as little as dry friction under their loads allows.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations

@@ -1,7 +1,5 @@
 """Planar poses (x, y, yaw): from qpos, composed, relative, and off their path."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -6,8 +6,6 @@ over `inspections`, between which legs swing by at most 0.02 rad: a smooth minim
 missed by the length of a leg times half of 0.01 squared, five micrometres, at most.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache

@@ -4,8 +4,6 @@ Phases follow one another. A group that leaves the ground is raised before anyth
 swings, and touches down before another group lifts off.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property

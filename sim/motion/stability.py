@@ -5,8 +5,6 @@ boundary of the convex hull of the feet in contact: positive inside, and with fe
 three feet minus the distance to the segment or point.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import shapely
 

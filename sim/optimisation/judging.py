@@ -5,8 +5,6 @@ path is followed as closely as the scenario demands, or as closely as its strati
 plan follows it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache

@@ -10,8 +10,6 @@ the walk takes at least lambda . (goal - start) / rho. A linear program proposes
 and V of each piece of the path; rho is then found on a grid of all visits.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise

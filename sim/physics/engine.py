@@ -4,8 +4,6 @@ MuJoCo raises no error when a simulation diverges; its warnings are therefore ch
 after every stretch.
 """
 
-from __future__ import annotations
-
 import time
 from typing import NamedTuple
 

@@ -6,8 +6,6 @@ Slip is the tangential speed of the foot's material at the contact point, integr
 over the time in contact.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple

@@ -4,8 +4,6 @@ It takes half a second of physics with the servos holding, which is long enough 
 legs to give way and for an unsupported body to tip over.
 """
 
-from __future__ import annotations
-
 import copy
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress

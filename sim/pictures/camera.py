@@ -3,8 +3,6 @@
 On walks that are much longer than the robot, the camera stays close and follows it.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import ClassVar

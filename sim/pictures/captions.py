@@ -1,7 +1,5 @@
 """Captions of a film: clock, stratum, contacts, margin, errors, scales and cards."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from textwrap import wrap

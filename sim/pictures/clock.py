@@ -1,7 +1,5 @@
 """The clocks of film and viewer: the moment that is shown, and the playback speed."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import inf
 

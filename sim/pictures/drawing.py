@@ -1,7 +1,5 @@
 """Flat drawings on the floor, as triangles that appear and vanish with the frames."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property

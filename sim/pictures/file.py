@@ -4,8 +4,6 @@ An encoder that dies leaves a file that seems valid, or none at all, and reports
 success; only the number of pictures shows the failure.
 """
 
-from __future__ import annotations
-
 import errno
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """The robot where a prediction has it, in three dimensions, for film and viewer."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 import mujoco

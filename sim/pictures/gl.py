@@ -5,8 +5,6 @@ machine. The physics therefore imports MuJoCo without a driver, and pictures are
 by separate processes that are started with the driver found here.
 """
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

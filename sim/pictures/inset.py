@@ -4,8 +4,6 @@ Each is magnified for itself, so that a small error is seen beside a large one, 
 turned with the picture: right is right in the film.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,7 +1,5 @@
 """Panels of a film, light rectangles with words; and the legend, the first of them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, lru_cache

@@ -4,8 +4,6 @@ They are drawings: without a graphics card, a texture would take as much time as
 rest of the picture.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import mujoco

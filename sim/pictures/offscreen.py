@@ -4,8 +4,6 @@ They show the run's model in even light, with drawings on the floor. The model i
 drawn, never stepped; its states are those of the run.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial

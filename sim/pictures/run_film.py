@@ -5,8 +5,6 @@ and hanging drivers affect them alone and cause an error, and the run itself sur
 This module is also their program; it prints a dot for every picture.
 """
 
-from __future__ import annotations
-
 import errno
 import os
 import select

@@ -5,8 +5,6 @@ scenario. The planner decides how finely, from the slack that this module comput
 motion is foreseen by the prediction that the scenario steers on.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property

@@ -7,8 +7,6 @@ Servos with a resolution move to whole counts; each segment is planned from the 
 that is predicted for rounded strokes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import accumulate

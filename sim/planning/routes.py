@@ -5,8 +5,6 @@ and straight lines with the heading along them, forward or backward, and shorten
 OMPL's simplifier. A robot that walks along its heading needs no brackets.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace

@@ -3,8 +3,6 @@
 The commanded angles alone decide, with the body level and the contacts as planned.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from contextlib import nullcontext
 from copy import copy

@@ -1,7 +1,5 @@
 """What a robot cannot walk: directions out of reach, impossible gaits; and remedies."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 

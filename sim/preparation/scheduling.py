@@ -1,7 +1,5 @@
 """The flows of a plan as phases of a schedule, and walks that would take too long."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterable, Sequence
 from itertools import groupby

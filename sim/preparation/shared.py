@@ -3,8 +3,6 @@
 A thing is built anew where a setting that affects it, as declared, differs.
 """
 
-from __future__ import annotations
-
 from collections import OrderedDict
 from collections.abc import Callable, Hashable
 from typing import Any, Protocol, TypeVar

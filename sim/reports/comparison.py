@@ -1,7 +1,5 @@
 """Several runs side by side: their differing settings and their results."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain

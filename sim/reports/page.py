@@ -5,8 +5,6 @@ sequence in the paper's notation: a flow along the field g for a time t as eq. (
 it, the time above and the field below, and strata named after the groups that stand.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from itertools import chain, groupby
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Tables and sentences of a report: verdict, ends, errors by phase, settings."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """Arrays of a run that are read, or computed, when they are asked for."""
 
-from __future__ import annotations
-
 import csv
 import json
 import os

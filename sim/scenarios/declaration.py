@@ -5,8 +5,6 @@ union of these, in which numbers are `Annotated` with a `Range` and text may be 
 `Text`. The tables of paths and of obstacles hold values of kinds, too.
 """
 
-from __future__ import annotations
-
 import reprlib
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import suppress

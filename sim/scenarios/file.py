@@ -1,7 +1,5 @@
 """Scenarios as TOML files: reading them by name or path, and writing them whole."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Iterable, Mapping
 from copy import deepcopy

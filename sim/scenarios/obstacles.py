@@ -4,8 +4,6 @@ All are upright prisms in the frame of the start pose, in convex pieces, so that
 engine and the planner use the same solids.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field

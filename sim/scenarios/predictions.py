@@ -3,8 +3,6 @@
 This is the only place that knows that `quasi_static` is shown as `quasi-static`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping
 from typing import NamedTuple
 

@@ -4,8 +4,6 @@ A design divides the legs into two groups that lift in turn. In a group, legs sw
 one angle, each one way or the other, or are locked where they stand.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass

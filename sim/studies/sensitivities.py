@@ -4,8 +4,6 @@ The compliant prediction plays the run's own commands on robots changed a little
 them side by side. Effects are slopes; contacts switch: they hold near the robot as is.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from math import radians

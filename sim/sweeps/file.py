@@ -5,8 +5,6 @@ gives values to one or several keys. The points of a sweep are all combinations 
 choices of its blocks.
 """
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence

@@ -3,8 +3,6 @@
 Shards of one sweep are merged into the table that a single process would have written.
 """
 
-from __future__ import annotations
-
 import json
 import shutil
 from collections import Counter

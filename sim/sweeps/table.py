@@ -1,7 +1,5 @@
 """The table of a sweep: a row a point, in one Parquet file; equal rows, equal bytes."""
 
-from __future__ import annotations
-
 import json
 import resource
 from collections.abc import Iterator, Mapping, Sequence

@@ -6,8 +6,6 @@ Every worker has one point at a time, so that the death of a worker tells which 
 died of. Such a point is tried once more, and then given up.
 """
 
-from __future__ import annotations
-
 import asyncio
 import atexit
 import logging

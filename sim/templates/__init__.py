@@ -1,7 +1,5 @@
 """Templates of pages, with their style and script, of texts and of firmware."""
 
-from __future__ import annotations
-
 from functools import cache
 from importlib.resources import files
 from math import degrees, inf

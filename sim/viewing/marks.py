@@ -1,7 +1,5 @@
 """What is drawn into the viewer's scene: paths, ghost, support polygon, footprints."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from itertools import islice, pairwise
 

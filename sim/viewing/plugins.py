@@ -3,8 +3,6 @@
 The viewer runs in a thread of its own; the playback is shared between the two.
 """
 
-from __future__ import annotations
-
 import time
 
 import mujoco

@@ -1,7 +1,5 @@
 """A walk as it has become, and where a plan is predicted to end before it is walked."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property

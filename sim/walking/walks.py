@@ -4,8 +4,6 @@ What segments are likely to miss is allowed for beforehand, as `sim.feedback` ha
 it, for which each of them brings the legs back to angle 0, not only the last one.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any

@@ -1,7 +1,5 @@
 """What the testbed changes in a robot's file before it walks; see `changes.toml`."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations
 

@@ -6,8 +6,6 @@ no more to give beyond the band. For the law `step` both are steeper by a third 
 whose torque ends later: at the band's edge the torque rises within a quarter of it.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import mujoco

@@ -5,8 +5,6 @@ planes without contact are decoration. A floor with bumps is a height field in p
 the plane, drawn anew for every draw.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import mujoco

@@ -4,8 +4,6 @@ The predictions know nothing of them; the comparison with the physics shows thei
 effect. Dead bands of servos are added by `dead_bands`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from math import atan, cos, sin, tan
 from typing import Any

@@ -6,8 +6,6 @@ are gathered. The robot's own are copied unchanged beside the text, whose number
 rounds: a rerun from the copies is planned with the same digits.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass

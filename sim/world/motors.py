@@ -6,8 +6,6 @@ Joints without armature are therefore given that of the servo's make, or of a mo
 could carry the robot; servos without damping are critically damped.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 import mujoco

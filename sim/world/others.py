@@ -3,8 +3,6 @@
 Which of them do is found from their moments and slopes where the robot starts.
 """
 
-from __future__ import annotations
-
 from copy import copy
 
 import mujoco

@@ -1,7 +1,5 @@
 """Sensors of the centre of mass and of contacts; obstacles, which are solid geoms."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from math import cos, sin
