@@ -37,6 +37,7 @@ def drive(options: argparse.Namespace) -> None:
     """Drive the robot to the end of the scenario's path."""
     scenario = cli.scenario_of(options)
 
+    from sim.evaluation.causes import say
     from sim.export.served import served
 
     def kept() -> str:
@@ -65,6 +66,9 @@ def drive(options: argparse.Namespace) -> None:
                 "driven",
             )
         link.send(walk, walk.stand())
+    if short := walk.scaled_down:
+        facts = {"segments": scenario.segments, "twice": 2 * scenario.segments}
+        cli.notice(say("scaled_down", count=short, **facts), "warning")
     if options.json and options.commands != "-":
         end = walk.stops[-1]
         print(json.dumps({"thought": end.thought, "claimed": end.claimed}))

@@ -19,6 +19,7 @@ from sim.feedback.stops import Stop, stop_after
 from sim.motion.schedule import Schedule, Scheduler
 from sim.preparation.scheduling import schedule_flows
 from sim.preparation.setup import Setup, prepare
+from sim.problems.scenario import ScenarioProblem
 from sim.scenarios.scenario import Scenario, drawn
 from sim.walking.walks import next_segment
 
@@ -36,7 +37,8 @@ IN_PIECES: dict[str, tuple[str | int | None, ...]] = {
 class ServedWalk:
     """A walk whose commands for `joints` go elsewhere, from where its poses come.
 
-    Its `stops` are what feedback made of each segment so far. The rate, in commands a
+    Its `stops` are what feedback made of each segment so far, and so many were
+    `scaled_down` to the range of the joints. The rate, in commands a
     second, is taken where the servos have none of their own.
     """
 
@@ -45,6 +47,7 @@ class ServedWalk:
         self.rate = setup.servo.rate or rate
         self.joints = tuple(setup.robot.card.joints)
         self.stops: list[Stop] = []
+        self.scaled_down = 0
         self._actuators = np.array([actuator_of(setup.model, j) for j in self.joints])
         self._drive = Drive(setup)
         self._drive.require_gentleness()
@@ -76,6 +79,7 @@ class ServedWalk:
         """Commands of the next segment, planned from where the robot is thought."""
         self._began, swing = self.time, self._legs.swing
         step, self._meant = next_segment(self.setup, self.feedback, segment, swing)
+        self.scaled_down += step.fraction < 1
         scheduler = self._scheduler()
         scheduler.segment = segment
         schedule_flows(self.setup, scheduler, step.plan.segments())
@@ -106,7 +110,10 @@ class ServedWalk:
 
 
 def served(scenario: Scenario, rate: float = SERVO_RATE) -> ServedWalk:
-    """A served walk, planned in pieces, of a robot without known imperfections."""
+    """A served walk, planned in pieces, of a robot without known imperfections.
+
+    Its path is that of a replanned walk: around obstacles, and divided to keep bounds.
+    """
     for key, allowed in IN_PIECES.items():
         if (value := getattr(scenario, key)) not in allowed:
             where = f"scenario {scenario.name!r}"
@@ -115,4 +122,5 @@ def served(scenario: Scenario, rate: float = SERVO_RATE) -> ServedWalk:
     plain = drawn(scenario, setup.robot).as_planned
     learn = True if scenario.learn is None else scenario.learn
     asked = replace(plain, replan=True, learn=learn)
-    return ServedWalk(prepare(asked, setup.robot), rate)
+    problem = ScenarioProblem.ready(prepare(asked, setup.robot))
+    return ServedWalk(problem.setup, rate)

@@ -30,6 +30,18 @@ def test_the_end_is_printed_as_json_where_no_commands_are(capsys, as_json, comma
         assert lines == []
 
 
+@pytest.mark.physics
+def test_what_is_scaled_down_to_the_joints_is_told(capsys):
+    """The robot is then far from its goal, and nobody may look at it."""
+    far = ("--set", "path.goal=[0.15, 0.15, 0.0]", "--set", "segments=1")
+    assert main([*WORDS, *far]) == 0
+    *_, line = capsys.readouterr().err.splitlines()
+    assert line == (
+        "stratawalk: warning: 1 of 1 segments were scaled down to the joint range: "
+        "walk in more segments (--segments 2)"
+    )
+
+
 @pytest.mark.parametrize(
     ("key", "value"), [("optimise", "time"), ("steer", "compliant"), ("correct", "2")]
 )

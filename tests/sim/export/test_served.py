@@ -1,7 +1,10 @@
 """Walks whose commands go elsewhere, as `drive` serves them."""
 
+import numpy as np
 import pytest
+import shapely
 
+from planner import PlannerError
 from sim.export.served import served
 from sim.scenarios.file import load_scenario
 
@@ -12,3 +15,21 @@ def test_a_segment_in_which_nothing_moves_has_no_commands():
     walk = served(load_scenario("line", still))
     assert len([*walk.stand()]) > 1
     assert [*walk.walk(0)] == []
+
+
+@pytest.mark.physics
+def test_a_robot_is_led_around_obstacles():
+    walk = served(load_scenario("detour"))
+    (box,), path = walk.setup.scenario.obstacles, walk.setup.nominal()
+    line = shapely.LineString([path(s)[:2] for s in np.linspace(0.0, 1.0, 200)])
+    assert line.distance(shapely.Polygon(box.pieces[0].corners)) > 0.05
+
+
+@pytest.mark.physics
+def test_a_path_is_divided_until_the_margin_is_kept_and_refused_if_it_cannot_be():
+    asked = {"segments": 2, "path.goal": [0.02, 0.01, 0.0]}
+    assert served(load_scenario("line", asked)).setup.scenario.segments == 2
+    kept = served(load_scenario("line", asked | {"min_margin": 0.05}))
+    assert kept.setup.scenario.segments > 2
+    with pytest.raises(PlannerError, match="min_margin of 0.5 m cannot be kept"):
+        served(load_scenario("line", asked | {"min_margin": 0.5}))
