@@ -13,6 +13,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import compress
 from math import prod
 from pathlib import Path
 from types import NoneType
@@ -60,6 +61,7 @@ class Results:
     asked: Mapping[str, Any] = field(default_factory=dict)  # what the sweep is about
     limits: tuple[float, ...] = LIMITS  # of the classes, shares of the path
     judge: str = ""  # name of the prediction that verdicts are by, if known
+    left_out: int = 0  # walks for which the prediction could not be made
 
     def __len__(self) -> int:
         return len(self.columns["point"])
@@ -90,6 +92,12 @@ class Results:
         names = [*(f"within {100 * one:.9g} %" for one in self.limits), *FURTHER]
         counted: Array = np.bincount(self.classes, minlength=len(names))
         return dict(zip(names, counted.tolist(), strict=True))
+
+    def predicted(self) -> Results:
+        """The same without walks for which the prediction could not be made."""
+        kept = np.isfinite(self.off) | (self.classes >= FELL)
+        columns = {k: [*compress(some, kept)] for k, some in self.columns.items()}
+        return replace(self, columns=columns, left_out=int((~kept).sum()))
 
     def fitted(self) -> Results:
         """The same with round limits above each third of those that walked."""
@@ -159,8 +167,11 @@ def read_results(path: Path, prediction: str = "") -> Results:
     if not results.walked.any():
         why = next(iter(columns["status"]), "it has no rows")
         raise UsageError.of("none_walked", file, why=why)
-    results.column(f"error.{prediction}.farthest")
-    return results
+    found = results.predicted()
+    if found.left_out and not found.walked.any():
+        every = f"the {results.label} prediction could be made for none of the walks"
+        raise UsageError(every, str(file), "give another --prediction")
+    return found
 
 
 def _require(
@@ -236,6 +247,7 @@ class Findings:
     method: str  # what the shares are that settings explain, and how exact
     together: Explained  # shares left over for settings together, where exact
     judge: str  # prediction that verdicts are by, if it is another one
+    left_out: int = 0  # walks for which the prediction could not be made
 
     @property
     def ranked(self) -> list[tuple[str, Explained]]:
@@ -285,4 +297,5 @@ def findings(results: Results) -> Findings:
             _left([one.falls for one in alone.values()]) if grid else None,
         ),
         judge="" if results.judge == results.prediction else results.judge,
+        left_out=results.left_out,
     )

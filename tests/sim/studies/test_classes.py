@@ -39,6 +39,21 @@ def test_a_robot_that_fell_is_in_a_class_of_its_own_however_near_it_was():
     assert none.classes.tolist() == [0]
 
 
+def test_walks_whose_prediction_could_not_be_made_are_left_out_and_counted():
+    far = [0.02, None, None, 4.0, None]
+    words = ["arrived", "arrived", None, "missed", "fell"]
+    status = ["ok", "ok", "no way", "ok", "ok"]
+    given = {"error.ideal.farthest": far, "verdict": words, "status": status}
+    found = findings(results([0.1] * 5, **given).predicted())
+    assert (found.points, found.left_out) == (4, 1)
+    assert [n for n in found.classes.values() if n] == [1, 1, 1, 1]
+    assert found.verdicts == {"arrived": 1, "missed": 1, "fell": 1}
+    assert str(found).splitlines()[1] == (
+        "1 walk left out, for which this prediction could not be made"
+    )
+    assert results([0.1, None]).predicted().left_out == 0
+
+
 def test_a_path_without_length_is_weighed_by_the_way_that_was_walked():
     found = results([0.1, 0.1], path_length=[0.0, 2.0], distance_walked=[4.0, 4.0])
     assert found.off == pytest.approx([0.05, 0.1])

@@ -225,3 +225,12 @@ def test_an_axis_over_more_than_a_factor_of_20_is_logarithmic(most, scale):
         axes, Results({"friction": values}, (), "ideal"), "friction", "x"
     ) == (pytest.approx(values))
     assert axes.get_xscale() == scale
+
+
+def test_a_prediction_that_could_be_made_for_no_walk_is_refused(tmp_path):
+    columns = {"point": 0, "status": "ok", "error.ideal.farthest": None, "a": 1.0}
+    columns |= {"path_length": 2.0, "distance_walked": 2.0, "verdict": "arrived"}
+    asked = {"asked": {"vary": {"a": {}}}}
+    write_table(tmp_path / "t.parquet", [columns], asked)
+    with pytest.raises(UsageError, match="could be made for none of the walks: .*give"):
+        read_results(tmp_path / "t.parquet", "ideal")
