@@ -10,6 +10,7 @@ import os
 import re
 import xml.etree.ElementTree as ET
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass
 from math import atan2, hypot
 from pathlib import Path
@@ -166,7 +167,9 @@ def _from_urdf(path: Path, text: str) -> str:
 
 
 THICKNESS = 0.06  # radius of a rod in lengths of the longest one
-SHOWN = 2  # names of meshes in a sentence
+SHOWN = 2  # names in a sentence
+SLOW = 2.0  # [rad/s]; legs swing at half a radian a second, and lift at one
+DECIMAL = re.compile(r"\d+\.?\d*|\.\d+")
 
 Point = tuple[float, float, float]
 
@@ -195,11 +198,11 @@ def with_shapes(path: Path, given: str, text: str) -> tuple[str, tuple[str, ...]
         return text, ()
     except RecursionError:
         raise ModelError(f"nested too deeply: {path}; take elements out") from None
-    notes: tuple[str, ...] = ()
-    if robot.find("link/collision") is None:
-        for visual in robot.iterfind("link/visual"):
+    notes, visuals = tuple(_unsaid(robot)), robot.findall("link/visual")
+    if drawn := bool(visuals) and robot.find("link/collision") is None:
+        notes = guess("drawn"), *notes
+        for visual in visuals:
             visual.tag = "collision"
-            notes = (guess("drawn"),)
     compiler = robot.find("mujoco/compiler")
     folder = path.parent / ("" if compiler is None else compiler.get("meshdir", ""))
     names = [str(mesh.get("filename")) for mesh in written.iter("mesh")]
@@ -210,7 +213,7 @@ def with_shapes(path: Path, given: str, text: str) -> tuple[str, tuple[str, ...]
         if not any(os.path.exists(folder / one) for one in (file, file.name))
     }
     if not absent:
-        return ET.tostring(robot, encoding="unicode") if notes else text, notes
+        return ET.tostring(robot, encoding="unicode") if drawn else text, notes
     ends = _ends(robot)
     longest = max((hypot(*end) for found in ends.values() for end in found), default=0)
     for link in list(robot.iter("link")):
@@ -220,9 +223,32 @@ def with_shapes(path: Path, given: str, text: str) -> tuple[str, tuple[str, ...]
         if shapes and link.find("collision") is None:
             _draw(path, link, ends[str(link.get("name"))], THICKNESS * longest)
     missing = list(dict.fromkeys(absent.values()))
-    more = len(missing) - SHOWN
-    shown = ", ".join(missing[:SHOWN]) + (f" and {more} more" * (more > 0))
-    return ET.tostring(robot, encoding="unicode"), (*notes, guess("rods", shown=shown))
+    rods = guess("rods", shown=_first(missing))
+    return ET.tostring(robot, encoding="unicode"), (*notes, rods)
+
+
+def _unsaid(robot: ET.Element) -> Iterator[str]:
+    """Notes of links whose mass is made up, and of joints whose speed is not kept."""
+    shaped = (link for link in robot.iterfind("link[collision]"))
+    light = [str(link.get("name")) for link in shaped if link.find("inertial") is None]
+    if light:
+        yield guess("water", links=_first(light))
+    speeds = {
+        str(joint.get("name")): float(limit.get("velocity", ""))
+        for joint in robot.iterfind("joint")
+        for limit in joint.iterfind("limit[@velocity]")
+        if DECIMAL.fullmatch(limit.get("velocity", ""))
+    }
+    slow = [joint for joint, speed in speeds.items() if 0 < speed <= SLOW]
+    if slow:
+        least = min(speeds[joint] for joint in slow)
+        yield guess("speeds", joints=_first(slow), least=least)
+
+
+def _first(names: list[str]) -> str:
+    """The first of some names, and how many more there are."""
+    more = len(names) - SHOWN
+    return ", ".join(names[:SHOWN]) + (f" and {more} more" * (more > 0))
 
 
 def _ends(robot: ET.Element) -> dict[str, list[Point]]:

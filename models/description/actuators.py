@@ -26,7 +26,7 @@ def actuators_of(model: mujoco.MjModel, joint: str) -> list[int]:
 def position_servos_of(model: mujoco.MjModel, joint: str) -> list[int]:
     """Indices of the position servos that drive a joint."""
     gain, bias = model.actuator_gainprm[:, 0], model.actuator_biasprm[:, 1]
-    own = actuators_of(model, joint)
+    own = [i for i in actuators_of(model, joint) if model.actuator_plugin[i] < 0]
     return [i for i in own if is_position_servo(gain[i], bias[i])]
 
 

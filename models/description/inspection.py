@@ -229,6 +229,9 @@ def report(path: Path) -> dict[str, object]:
     except ModelError as error:
         large = any(sign in str(error) for sign in TOO_LARGE)
         return {"large": True} if large else {"wrong": str(error)}
+    except OSError as error:
+        what = f"{error.filename} cannot be read, {error.strerror}"
+        return {"wrong": f"{what}: {path} names it; let it be read, or leave it out"}
     except MemoryError:
         return {"large": True}
 

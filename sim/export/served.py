@@ -119,8 +119,10 @@ def served(scenario: Scenario, rate: float = SERVO_RATE) -> ServedWalk:
             where = f"scenario {scenario.name!r}"
             raise UsageError.of("piecewise", where, key=key, value=value)
     setup = prepare(scenario)
-    plain = drawn(scenario, setup.robot).as_planned
+    known = drawn(scenario, setup.robot)
     learn = True if scenario.learn is None else scenario.learn
+    band = known.as_assumed.dead_band  # for which commands allow
+    plain = replace(known.as_planned, assumed_dead_band=band)
     asked = replace(plain, replan=True, learn=learn)
     problem = ScenarioProblem.ready(prepare(asked, setup.robot))
     return ServedWalk(problem.setup, rate)

@@ -23,6 +23,7 @@ def changes(robot: Robot, scenario: Scenario) -> Iterator[str]:
     spec, asked = robot.read(), servos.servo_settings(scenario, robot.card)
     motors = {a.target for a in spec.actuators if a.trntype in ON_JOINT}
     added, feet = added_rotors(robot, asked), [spec.geom(n) for n in robot.card.feet]
+    plain = _contact_of(mujoco.MjSpec().worldbody.add_geom())
     pairs, ours = floor_pairs(spec, robot), scene().option
     bound = [robot.model.eq(n).name or f"number {n + 1}" for n in couplings(robot)]
     found: dict[str, Sequence[str]] = {  # names of parts by what is done to them
@@ -32,9 +33,12 @@ def changes(robot: Robot, scenario: Scenario) -> Iterator[str]:
         "motors": [j for j in servos.joints_without_servo(robot) if j in motors],
         "more": servos.joints_with_more(robot),
         "delayed": servos.delayed_servos(robot),
+        "offset": servos.offset_servos(robot),
+        "sprung": [j for j in robot.card.joints if robot.model.joint(j).stiffness[0]],
         "rotors": [*added],
         "springs": [*undamped_joints(robot, asked)],
         "wide": [foot.name for foot in feet if foot.margin or foot.gap],
+        "soles": [foot.name for foot in feet if _contact_of(foot) != plain],
         "lifted": [body.name for body in spec.bodies if body.gravcomp],
         "ties": [t.name for t in spec.tendons if any((*t.stiffness, *t.range))],
         "leaning": ["gravity"] if any(spec.option.gravity[:2]) else [],
@@ -50,6 +54,10 @@ def changes(robot: Robot, scenario: Scenario) -> Iterator[str]:
     if own and scenario.foot_friction is None:
         words = ", ".join(f"{mu:g}" for mu in own)
         yield MESSAGES["friction"].format(own=words, friction=scenario.friction)
+
+
+def _contact_of(geom: mujoco.MjsGeom) -> tuple[float, ...]:
+    return geom.condim, geom.priority, *geom.solref, *geom.solimp
 
 
 def overlaps(robot: Robot) -> Iterator[str]:

@@ -132,7 +132,7 @@ def ensure_servos(spec: mujoco.MjSpec, robot: Robot, asked: ServoSettings) -> No
     for joint in robot.card.joints:
         servo = _only_servo(spec, joint) or _add_servo(spec, robot, joint)
         servo.dyntype, servo.actlimited = mujoco.mjtDyn.mjDYN_NONE, 0
-        servo.actrange, servo.actearly = (0, 0), 0
+        servo.actrange, servo.actearly, servo.biasprm[0] = (0, 0), 0, 0.0
         servo.delay, servo.nsample, servo.interp = 0.0, 0, 0
         if servo.gear[0] != 1:
             _gear_down(servo)
@@ -144,6 +144,12 @@ def delayed_servos(robot: Robot) -> list[str]:
     none, servos = mujoco.mjtDyn.mjDYN_NONE, _servos(robot.read())
     late = [s.target for s in servos if s.delay or s.dyntype != none]
     return [joint for joint in late if joint in robot.card.joints]
+
+
+def offset_servos(robot: Robot) -> list[str]:
+    """Leg joints of a robot whose position servos push where they are commanded to."""
+    joints = [servo.target for servo in _servos(robot.read()) if servo.biasprm[0]]
+    return [joint for joint in joints if joint in robot.card.joints]
 
 
 def joints_with_more(robot: Robot) -> list[str]:
@@ -161,8 +167,9 @@ def joints_without_servo(robot: Robot) -> list[str]:
 
 
 def _servos(spec: mujoco.MjSpec) -> list[mujoco.MjsActuator]:
-    """Position servos on joints."""
-    on_joints = [a for a in spec.actuators if a.trntype in ON_JOINT]
+    """Position servos on joints; a plugin has a law of its own."""
+    plain = [a for a in spec.actuators if not a.plugin.active]
+    on_joints = [a for a in plain if a.trntype in ON_JOINT]
     return [a for a in on_joints if is_position_servo(a.gainprm[0], a.biasprm[1])]
 
 

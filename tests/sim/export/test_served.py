@@ -33,3 +33,21 @@ def test_a_path_is_divided_until_the_margin_is_kept_and_refused_if_it_cannot_be(
     assert kept.setup.scenario.segments > 2
     with pytest.raises(PlannerError, match="min_margin of 0.5 m cannot be kept"):
         served(load_scenario("line", asked | {"min_margin": 0.5}))
+
+
+@pytest.mark.physics
+def test_commands_allow_for_a_dead_band_that_is_given():
+    """The driven robot has it, whatever is simulated of it."""
+    robot = {
+        "robot": "hexapod-classroom",
+        "segments": 1,
+        "path.goal": [0.008, 0.004, 0],
+    }
+
+    def commands(**given):
+        walk = served(load_scenario("line", robot | given))
+        return np.array([angles for _, angles in walk.walk(0)])
+
+    plain, given = commands(), commands(dead_band=0.0087)
+    assert (given == commands(assumed_dead_band=0.0087)).all()
+    assert np.abs(given - plain).max() > 0.001

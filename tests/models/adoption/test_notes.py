@@ -1,0 +1,25 @@
+"""What a URDF does not say, or says and is not kept, is told whoever adopts it."""
+
+import pytest
+
+from models.adoption.source import source_of
+from tests.models.adoption.test_draft import BOX, written
+
+
+def test_links_that_weigh_as_much_as_water_are_named(tmp_path):
+    """In ROS such a link weighs nothing, and torques rest on what it weighs."""
+    thigh = r'(?s)(<link name="thigh[123]">\s*)<inertial>.*?</inertial>'
+    (note,) = source_of(str(written(BOX, tmp_path, thigh, r"\1"))).notes
+    assert note == (
+        "links without <inertial>, thigh1, thigh2 and 1 more, weigh as much as water "
+        "in the shape of their <collision>: give them their mass"
+    )
+
+
+@pytest.mark.parametrize(("speed", "said"), [("0.1", "0.1"), ("2", "2"), ("2.1", "")])
+def test_joints_that_are_to_turn_slower_than_they_will_are_named(tmp_path, speed, said):
+    path = written(BOX, tmp_path, 'velocity="6"', f'velocity="{speed}"')
+    notes = source_of(str(path)).notes
+    assert len(notes) == bool(said)
+    for note in notes:
+        assert f" and 10 more are to turn at {said} rad/s at most" in note
