@@ -249,10 +249,10 @@ def _try(scenario: Scenario, robot: Robot, folder: RunFolder, *, first: bool) ->
 
 def describe(tries: Sequence[Try], path_length: float) -> Iterator[str]:
     """Median and worst of all draws, in lines for a terminal; of a path [m]."""
-    walked = [one for one in tries if one.goal is not None]
+    walked = [one for one in tries if (one.goal, one.off) != (None, None)]
     yield f"{len(walked)} of {len(tries)} draws walked to their end"
     for one in tries:
-        if one.goal is None:
+        if one not in walked:
             yield f"draw {one.draw}: {one.verdict}"
     if not walked:
         return

@@ -121,8 +121,8 @@ def served(scenario: Scenario, rate: float = SERVO_RATE) -> ServedWalk:
     setup = prepare(scenario)
     known = drawn(scenario, setup.robot)
     learn = True if scenario.learn is None else scenario.learn
-    band = known.as_assumed.dead_band  # for which commands allow
-    plain = replace(known.as_planned, assumed_dead_band=band)
+    band = known.as_assumed.dead_band  # for which commands allow, a number by now
+    plain = replace(known.as_planned, assumed_dead_band=band)  # type: ignore[arg-type]
     asked = replace(plain, replan=True, learn=learn)
     problem = ScenarioProblem.ready(prepare(asked, setup.robot))
     return ServedWalk(problem.setup, rate)

@@ -211,6 +211,8 @@ def test_a_yaw_off_its_goal_is_told_in_no_row_and_the_least_margin_is_the_worst(
     assert list(describe([Try(4, "fell over")], 0.1)) == [
         "0 of 1 draws walked to their end", "draw 4: fell over",
     ]  # fmt: skip
+    played = next(describe([Try(5, "arrived", off=0.02)], 0.1))  # which has no goal
+    assert played == "1 of 1 draws walked to their end"
 
 
 def test_draws_are_counted_and_their_table_has_a_row_each(tmp_path, monkeypatch):
