@@ -150,6 +150,9 @@ def run_folder(folder: Path, rng: random.Random) -> list[str]:
     else:
         change = _json if path.suffix == ".json" else mutated
         write(path, change(path.read_text(), rng))
+    if rng.random() < 0.8:
+        with suppress(Exception):  # what cannot be read cannot be sealed
+            _seal(folder / "mine")
     return [*rng.choice(TEXTS["readers"]), "mine"]
 
 
@@ -211,6 +214,17 @@ def _sealed(line: bytes, rng: random.Random) -> bytes:
     ledgers = import_module("sim.sweeps.ledger")
     text = _json("{" + line[ledgers.LENGTH :].decode(), rng).rstrip("\n")
     return ledgers._sealed(text.encode(errors="surrogateescape") or b"{")
+
+
+def _seal(folder: Path) -> None:
+    """Seal a run's files as they are, as a stranger could who knows how."""
+    own = import_module("sim.runs.seals")
+    table = import_module("models.description").parse_toml
+    told = json.loads((folder / "summary.json").read_text())
+    settings = table((folder / "scenario.toml").read_text())
+    told["seals"] = own.seals(folder, settings, told)
+    told["seals"][own.MODEL] = own.seal(folder / own.MODEL)
+    (folder / "summary.json").write_text(json.dumps(told))
 
 
 def _json(text: str, rng: random.Random) -> str:
