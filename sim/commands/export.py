@@ -8,6 +8,8 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from sim.commands import options as cli
 from sim.commands.walks import judged
 from sim.endings import again, command, keeping
@@ -15,6 +17,7 @@ from sim.errors import ExitCode, UsageError, message
 from sim.evaluation.quantities import describe_export
 from sim.folder import blamed_on, require_free, require_writable
 from sim.progress import Progress, bar
+from sim.scenarios.scenario import drawn
 from sim.templates import render
 
 if TYPE_CHECKING:
@@ -23,6 +26,7 @@ if TYPE_CHECKING:
     from sim.export.source import Source
 
 RATE = 50.0  # commands a second of a walk without a rate, as most hobby servos take
+IN_COMMANDS = "zero_offset", "command_delay"  # imperfections of servos that are
 ASSUMED = "mounting assumed: channels in the order of joints, senses +, centres alike"
 
 
@@ -51,6 +55,9 @@ def export(options: argparse.Namespace) -> ExitCode:
     summary = source.run.summary
     if not source.servo.rate:
         cli.notice(message("every_step", rate=read.rate))
+    own = drawn(source.run.scenario, source.robot)
+    if late := [n for n in IN_COMMANDS if np.any(getattr(own, n))]:
+        cli.notice(message("in_commands", names=" and ".join(late)), "warning")
     if summary.verdict != "arrived":
         cli.notice(f"the walk that was exported {summary.verdict_text}", "warning")
     facts = {

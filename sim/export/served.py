@@ -124,5 +124,6 @@ def served(scenario: Scenario, rate: float = SERVO_RATE) -> ServedWalk:
     band = known.as_assumed.dead_band  # for which commands allow, a number by now
     plain = replace(known.as_planned, assumed_dead_band=band)  # type: ignore[arg-type]
     asked = replace(plain, replan=True, learn=learn)
-    problem = ScenarioProblem.ready(prepare(asked, setup.robot))
+    bare = replace(setup.robot, card=replace(setup.robot.card, fitted={}))  # known now
+    problem = ScenarioProblem.ready(prepare(asked, bare))
     return ServedWalk(problem.setup, rate)

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 import shapely
 
+from models import load
 from planner import PlannerError
+from sim.cli import main
 from sim.export.served import served
 from sim.scenarios.file import load_scenario
 
@@ -51,3 +53,36 @@ def test_commands_allow_for_a_dead_band_that_is_given():
     plain, given = commands(), commands(dead_band=0.0087)
     assert (given == commands(assumed_dead_band=0.0087)).all()
     assert np.abs(given - plain).max() > 0.001
+
+
+ZEROS = "\n[fitted]\nzero_offset = [0.03, -0.02" + ", 0.0" * 10 + "]\n"
+
+
+@pytest.fixture
+def fitted(tmp_path):
+    """A robot whose card has zeros that were found in its logs."""
+    robot = load("hexapod-classroom")
+    (tmp_path / "mine.xml").write_text(robot.read().to_xml())
+    (tmp_path / "mine.toml").write_text(robot.card_text + ZEROS)
+    return str(tmp_path / "mine.xml")
+
+
+@pytest.mark.physics
+def test_commands_have_no_zeros_that_the_robot_has_itself(fitted):
+    given = {"segments": 1, "path.goal": [0.005, 0.0, 0.0]}
+    plain, own = (
+        np.array([row for _, row in served(load_scenario("line", given | one)).stand()])
+        for one in ({"robot": "hexapod-classroom"}, {"robot": fitted})
+    )
+    assert plain == pytest.approx(own, abs=1e-6)  # of a file with fewer digits
+
+
+@pytest.mark.physics
+def test_zeros_in_exported_commands_are_told(fitted, tmp_path, capsys):
+    words = ["export", "line", "--segments", "1", "--set", "path.goal=[0.005, 0, 0]"]
+    words += ["--format", "csv", "--no-play", "--out"]
+    said = "the exported commands have zero_offset of this walk in them"
+    for robot, told in (("hexapod-classroom", False), (fitted, True)):
+        file = tmp_path / f"{told}.csv"
+        assert main([*words, str(file), "--robot", robot]) in (0, 7)
+        assert (said in capsys.readouterr().err) == told
