@@ -249,7 +249,6 @@ def run_of(
 ) -> Run:
     """The run of a walk and its evaluation; `settings` is the text of scenario.toml."""
     walk, setup = evaluation.walk, evaluation.walk.setup
-    table = parse_toml(dumps(setup.scenario) if settings is None else settings)
 
     def commands(name: str) -> Array:
         clock = np.arange(walk.steps) * setup.limits.timestep
@@ -257,7 +256,7 @@ def run_of(
 
     return Run(
         folder=Path() if folder is None else folder.resolve(),
-        settings=table,
+        settings=parse_toml(dumps(setup.scenario) if settings is None else settings),
         card_text=setup.robot.card_text,
         summary=summary,
         phases=carried_out(walk),

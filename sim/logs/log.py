@@ -157,7 +157,7 @@ def read_log(
         raise UsageError.at(str(path), error, "correct the file") from error
 
 
-def _table(path: Path, joints: Sequence[str]) -> dict[str, Array]:
+def _table(path: Path, joints: Sequence[str] = ()) -> dict[str, Array]:
     """Columns of numbers by name, NaN where cells are empty."""
     text = read_file(path, LARGEST_LOG).decode("utf-8-sig", "replace")
     if "\0" in text:

@@ -169,8 +169,7 @@ def read_results(path: Path, prediction: str = "") -> Results:
         raise UsageError.of("none_walked", file, why=why)
     found = results.predicted()
     if found.left_out and not found.walked.any():
-        every = f"the {results.label} prediction could be made for none of the walks"
-        raise UsageError(every, str(file), "give another --prediction")
+        raise UsageError.of("none_predicted", file, label=results.label)
     return found
 
 
