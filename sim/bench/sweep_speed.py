@@ -15,12 +15,12 @@ from sim.bench.speed import Row, paired, seconds
 from sim.physics.engine import STRETCH
 from sim.preparation.setup import prepare
 from sim.preparation.shared import Shared
-from sim.scenarios.file import load_scenario, to_table
+from sim.scenarios.file import as_given, load_scenario, to_table
 from sim.scenarios.scenario import Scenario
 from sim.simulation import simulate
 from sim.sweeps.file import Sweep
 from sim.sweeps.folder import Shard, SweepFolder
-from sim.sweeps.ledger import OK, Outcome, opened, software
+from sim.sweeps.ledger import OK, Outcome, digest, opened, software
 from sim.sweeps.sweeping import carry_on, points_of
 from sim.sweeps.worker_pool import Task, numbers, open_pool
 
@@ -81,8 +81,7 @@ def _times_of(scenario: Scenario, count: int) -> tuple[float, float]:
 
     def tasks(start: float, number: int) -> list[Task]:
         points = (replace(scenario, friction=start + 0.01 * n) for n in range(number))
-        tables = [to_table(point) for point in points]
-        return [Task(str(t["friction"]), t, WITHOUT) for t in tables]
+        return [Task(digest(p, WITHOUT), as_given(p), WITHOUT) for p in points]
 
     with open_pool(count, None) as pool:
         list(pool.carry_out(tasks(0.5, 2 * count)))

@@ -146,14 +146,24 @@ def design(options: argparse.Namespace) -> None:
     if options.designs is None and count > MOST_DESIGNS:
         raise UsageError.of("designs", options.robot, legs=legs, count=count)
     path = None if out is None else new_file(Path(out), "table", ".parquet")
-    count, rows = min(options.designs or count, count), []
-    with bar(quiet=options.json) as progress:
-        for row in tried(robot, islice(designs(robot.legs), count), options.walks):
-            rows.append(row)
-            progress("designs", len(rows) / count)
-    if path is not None:
-        about = {"robot": options.robot, "software": software()}
-        write_table(path, rows, about, new=True)
+    count = min(options.designs or count, count)
+    rows: list[Mapping[str, Any]] = []
+
+    def kept() -> str:
+        if path is None or not rows:
+            return f"nothing is kept; start again: {again()}"
+        on = again(*cli.elsewhere(str(out)))
+        return f"{path} has {len(rows)} of {count} designs; start again: {on}"
+
+    with bar(quiet=options.json) as progress, keeping(kept):
+        try:
+            for row in tried(robot, islice(designs(robot.legs), count), options.walks):
+                rows.append(row)
+                progress("designs", len(rows) / count)
+        finally:
+            if path is not None and rows:
+                about = {"robot": options.robot, "software": software()}
+                write_table(path, rows, about, new=True)
     cli.report(options, rows, render("designs.txt", designs=_by_joints(rows)))
 
 

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 FITTED = ("friction", "payload", "slope", "servo_stiffness", "servo_damping",
           "command_delay", "dead_band", "backlash", "zero_offset")  # fmt: skip
 """What `stratawalk fit` writes under [fitted] of a card; all else is of scenarios."""
+LEFT = {*FITTED, "foot_friction", "floor_stiffness"}  # to the card, or to `imperfect`
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,6 +45,12 @@ class Scenario(Settings):
         default=(), metadata={"affects": frozenset({"plan", "world"})}
     )
     path: NominalPath = field(metadata={"affects": frozenset({"plan"})})
+    given: frozenset[str] = field(  # settings that a file or a command line names
+        default=frozenset(),
+        compare=False,
+        repr=False,
+        metadata={"affects": frozenset()},
+    )
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -51,6 +58,10 @@ class Scenario(Settings):
             if name not in IMPERFECTIONS:
                 facts = {"name": name, "near": did_you_mean(name, IMPERFECTIONS)}
                 raise UsageError.of("known", f"scenario {self.name!r}", **facts)
+
+    def leaves(self, name: str) -> bool:
+        """Whether a setting is left to the card's [fitted], and to `imperfect`."""
+        return name not in self.given and getattr(self, name) == SETTINGS[name].default
 
     @property
     def steered_on(self) -> str:
@@ -108,8 +119,7 @@ class Scenario(Settings):
 def drawn(scenario: Scenario, robot: Robot) -> Scenario:
     """The scenario with what its robot's card and `imperfect` say as its settings.
 
-    What was fitted to logs of the robot takes the place of settings that are left as
-    they are by default.
+    What was fitted to logs of the robot takes the place of settings that nobody names.
 
     A hobby robot has servos that are fitted by hand, a battery not quite in the middle,
     a table to walk on: zeros of servos are within half a degree, gears have half a
@@ -130,8 +140,8 @@ def drawn(scenario: Scenario, robot: Robot) -> Scenario:
         "foot_friction": tuple(random.uniform(0.6, 1.0, len(robot.legs)).tolist()),
         "floor_stiffness": 1e4,
     }
-    free = (name for name in draws if getattr(scenario, name) == SETTINGS[name].default)
-    found = replace(scenario, imperfect=None, **{name: draws[name] for name in free})
+    free = {name: value for name, value in draws.items() if scenario.leaves(name)}
+    found = replace(scenario, imperfect=None, **free)
     if scenario.known != "given":
         return found
     kept = (n for n in known_of(scenario) if getattr(found, n) == getattr(scenario, n))
@@ -144,7 +154,7 @@ def _fitted(scenario: Scenario, robot: Robot) -> Scenario:
     for key, value in robot.card.fitted.items():
         if key not in known:
             raise UsageError.of("fitted", card, key=key, near=did_you_mean(key, known))
-        if key in FITTED and getattr(scenario, key) == SETTINGS[key].default:
+        if key in FITTED and scenario.leaves(key):
             kind, allowed = SETTINGS[key].kind, SETTINGS[key].allowed
             found[key] = accept(value, kind, allowed, card, key)
     return replace(scenario, **found) if found else scenario

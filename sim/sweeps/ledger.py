@@ -22,7 +22,7 @@ from pathlib import Path
 from models import ModelError, load
 from planner.support import open_file, read_file
 from sim.errors import FilesError, UsageError, is_text, printable, telling
-from sim.scenarios.file import to_table
+from sim.scenarios.file import as_given
 from sim.scenarios.scenario import Scenario
 from sim.sweeps.file import flat
 from sim.versions import PACKAGES, versions
@@ -34,7 +34,7 @@ ALIKE = (*PACKAGES, "machine", "code")
 
 def digest(scenario: Scenario, without: Sequence[str]) -> str:
     """Digest of all that decides a point's numbers, but for versions and names."""
-    named = to_table(scenario).items()
+    named = as_given(scenario).items()
     table = {key: value for key, value in named if key not in ("name", "description")}
     about = table, sorted(without), files_of(scenario)
     content = json.dumps(about, sort_keys=True, default=str)

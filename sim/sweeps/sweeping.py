@@ -19,7 +19,7 @@ from sim.errors import FilesError, UsageError, one_line
 from sim.folder import RunFolder, ensure_folder, require_free
 from sim.preparation.shared import PLAN
 from sim.run_folder import run
-from sim.scenarios.file import scenario_from, to_table
+from sim.scenarios.file import as_given, scenario_from
 from sim.sweeps.file import Sweep
 from sim.sweeps.folder import (
     POINT,
@@ -107,7 +107,7 @@ def points_of(sweep: Sweep, shard: Shard) -> Points:
     first: dict[Hashable, int] = {}  # point of a plan; others differ in physics alone
     return Points(
         sweep,
-        {n: to_table(scenario) for n, scenario in scenarios.items()},
+        {n: as_given(scenario) for n, scenario in scenarios.items()},
         {n: digest(scenario, sweep.without) for n, scenario in scenarios.items()},
         {n: first.setdefault(s.key(*PLAN), n) for n, s in scenarios.items()},
     )

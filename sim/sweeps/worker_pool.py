@@ -24,6 +24,7 @@ from typing import Any
 from sim.errors import SweepError, UsageError, one_line
 from sim.interruption import deaf
 from sim.preparation.shared import Shared
+from sim.runs.seals import TOLD
 from sim.scenarios.file import scenario_from
 from sim.simulation import simulate
 from sim.sweeps import ledger
@@ -92,7 +93,7 @@ def numbers(summary: object, name: str = "") -> Iterator[tuple[str, object]]:
         yield name, summary
         return
     for key, value in summary.items():
-        if name or key != "timing":  # which differs from run to run
+        if name or key not in TOLD:  # the time differs from run to run
             yield from numbers(value, f"{name}.{key}" if name else key)
 
 

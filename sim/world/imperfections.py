@@ -5,6 +5,7 @@ effect. Dead bands of servos are added by `dead_bands`.
 """
 
 from collections.abc import Sequence
+from itertools import count
 from math import atan, cos, sin, tan
 from typing import Any
 
@@ -48,8 +49,10 @@ def add_imperfections(
         _stiffen(spec.geom(floor), _mobility(spec, robot) / rigid)
     if scenario.payload is not None and scenario.payload[0]:
         mass, *place = scenario.payload
-        spec.body(robot.root).add_body(name=PAYLOAD, pos=place).add_geom(
-            name=PAYLOAD,
+        names = (PAYLOAD, *(f"{PAYLOAD}_{number}" for number in count(2)))
+        name = next(n for n in names if not (spec.body(n) or spec.geom(n)))
+        spec.body(robot.root).add_body(name=name, pos=place).add_geom(
+            name=name,
             type=mujoco.mjtGeom.mjGEOM_SPHERE,
             size=[0.005, 0, 0],
             mass=mass,
@@ -70,10 +73,10 @@ def _require_counts(robot: Robot, scenario: Scenario) -> None:
     joints = len(robot.card.joints), "joints", "joint, leg by leg, swing before lift"
     feet = len(robot.legs), "feet", "leg, in the order of their numbers"
     of_joints = dict.fromkeys(("zero_offset", "dead_band", "assumed_dead_band"), joints)
-    for name, (count, what, order) in {**of_joints, "foot_friction": feet}.items():
+    for name, (number, what, order) in {**of_joints, "foot_friction": feet}.items():
         given = getattr(scenario, name)
-        if isinstance(given, tuple) and len(given) != count:
-            wrong = f"there are {count} {what}, and {name} lists {len(given)}"
+        if isinstance(given, tuple) and len(given) != number:
+            wrong = f"there are {number} {what}, and {name} lists {len(given)}"
             where, remedy = f"scenario {scenario.name!r}", f"give one for each {order}"
             raise UsageError(wrong, where, remedy)
 

@@ -12,7 +12,8 @@ import pytest
 from sim.bench import speed, sweep_speed
 from sim.bench.sweep_speed import TINY, WITHOUT
 from sim.preparation.setup import prepare
-from sim.scenarios.file import load_scenario
+from sim.scenarios.file import load_scenario, scenario_from
+from sim.sweeps.ledger import digest
 from sim.sweeps.table import read_table
 
 FRICTIONS = (0.5, 0.8)
@@ -157,6 +158,9 @@ def test_two_workers_are_measured_against_one_warm_and_on_points_of_their_own(
         assert (len(warm), len(timed)) == (2 * count, TASKS)
         assert len({task.digest for task in [*warm, *timed]}) == 2 * count + TASKS
         assert pool.stood == [[TASKS // count] * count]
+        for task in warm:  # as workers find it, or they would refuse it
+            point = scenario_from(task.table, {}, "the sweep")
+            assert task.digest == digest(point, task.without)
 
 
 @pytest.mark.physics

@@ -1,6 +1,5 @@
 """The command as people guess it, before they have read anything."""
 
-import json
 import os
 import re
 import shutil
@@ -272,9 +271,7 @@ def test_what_to_cite_is_told_for_the_program_and_for_a_run(folder, capsys):
 
 
 def test_the_version_of_a_run_ends_no_entry_of_a_bibliography(folder, capsys):
-    summary = json.loads((folder / "summary.json").read_text())
-    summary["versions"]["stratawalk"] = "1.0}}\n@misc{evil, title = {x}"
-    sealed(folder, **summary)
+    sealed(folder, versions={"stratawalk": "1.0}}\n@misc{evil, title = {x}"})
     assert main(["cite", str(folder)]) == 0
     said = capsys.readouterr().out
     assert "version = {1.0miscevil" in said

@@ -1,6 +1,7 @@
 """`stratawalk design`: designs are checked, and those that go everywhere walked."""
 
 import json
+from itertools import islice
 
 import pandas
 import pytest
@@ -75,6 +76,27 @@ def test_the_folder_of_a_table_is_made_for_it(tmp_path):
     few = ["design", "hexapod", "--designs", "3", "--walks", "0", "--out", str(table)]
     assert main(few) == 0
     assert len(pandas.read_parquet(table)) == 3
+
+
+def test_an_interrupted_search_keeps_its_designs(tmp_path, monkeypatch, capsys):
+    """Of many legs it takes hours."""
+    monkeypatch.chdir(tmp_path)
+    before = studies.tried
+
+    def tried(robot, asked, walks):
+        yield from before(robot, islice(asked, 2), walks)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(studies, "tried", tried)
+    few = ["design", "hexapod", "--designs", "9", "--walks", "0"]
+    assert main([*few, "--out", "found.parquet"]) == 130
+    assert len(pandas.read_parquet("found.parquet")) == 2
+    assert capsys.readouterr().err.endswith(
+        "found.parquet has 2 of 9 designs; start again: stratawalk design hexapod "
+        "--designs 9 --walks 0 --out found-2.parquet\n"
+    )
+    assert main(few) == 130
+    assert "nothing is kept; start again: stratawalk" in capsys.readouterr().err
 
 
 def test_a_design_that_cannot_be_checked_says_why(hexapod, monkeypatch):
