@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from planner.errors import FieldError, PlannerError, SingularConfigurationError, message
 from planner.numerics.arrays import Array
+from planner.support.stopping import tick
 
 Symbols = tuple[sp.Symbol, ...]
 VectorField = Any  # sp.ImmutableMatrix of shape (n, 1), or a NumericField
@@ -47,10 +48,12 @@ def bracket(f: sp.Matrix, g: sp.Matrix, x: Sequence[sp.Symbol]) -> sp.Matrix:
 
     def change(of: sp.Matrix, along: sp.Matrix) -> list[sp.Expr]:
         moving = [(s, speed) for s, speed in zip(x, along, strict=True) if speed != 0]
-        return [
-            sp.Add(*(entry.diff(s) * speed for s, speed in moving if entry.has(s)))
-            for entry in of
-        ]
+        found = []
+        for entry in of:
+            tick()  # slopes of nested functions take long
+            parts = (entry.diff(s) * speed for s, speed in moving if entry.has(s))
+            found.append(sp.Add(*parts))
+        return found
 
     return sp.ImmutableMatrix(change(g, f)) - sp.ImmutableMatrix(change(f, g))
 

@@ -21,7 +21,7 @@ import numpy as np
 
 from sim.commands import options as cli
 from sim.endings import again, keeping
-from sim.errors import FilesError, UsageError, telling
+from sim.errors import FilesError, UsageError, message, telling
 from sim.folder import require_free
 
 if TYPE_CHECKING:
@@ -52,6 +52,8 @@ def drive(options: argparse.Namespace) -> None:
         files.enter_context(keeping(kept))
         link = Link(Poses(poses), commands, options.pace, options.patience)
         walk = served(scenario)
+        if not walk.setup.servo.rate:
+            cli.notice(message("every_step", rate=walk.rate))
         link.send(walk, walk.stand())
         for segment in range(walk.setup.scenario.segments):
             link.send(walk, walk.walk(segment))

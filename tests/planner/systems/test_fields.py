@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from planner.errors import SingularConfigurationError
+from planner.errors import BudgetError, SingularConfigurationError
+from planner.support import limited
 from planner.systems.fields import (
     NumericField,
     as_numeric,
@@ -160,3 +161,12 @@ def test_symbols_that_are_only_called_as_those_of_the_state_are_refused():
         bracket([1, 0, 0], [0, 1, real], STATE)
     length = sp.Symbol("l")
     assert list(bracket([1, 0, 0], [0, 1, length * X], STATE)) == [0, 0, length]
+
+
+def test_a_bracket_of_nested_functions_ends_in_time():
+    """Its slopes may take minutes, in which nothing else looks at the clock."""
+    x, y = sp.symbols("x y")
+    with pytest.raises(BudgetError), limited(0.0):
+        bracket(
+            sp.Matrix([sp.sin(sp.cos(x * y)), 0]), sp.Matrix([0, sp.sin(x)]), (x, y)
+        )
