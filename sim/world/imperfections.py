@@ -5,7 +5,6 @@ effect. Dead bands of servos are added by `dead_bands`.
 """
 
 from collections.abc import Sequence
-from itertools import count
 from math import atan, cos, sin, tan
 from typing import Any
 
@@ -49,10 +48,8 @@ def add_imperfections(
         _stiffen(spec.geom(floor), _mobility(spec, robot) / rigid)
     if scenario.payload is not None and scenario.payload[0]:
         mass, *place = scenario.payload
-        names = (PAYLOAD, *(f"{PAYLOAD}_{number}" for number in count(2)))
-        name = next(n for n in names if not (spec.body(n) or spec.geom(n)))
-        spec.body(robot.root).add_body(name=name, pos=place).add_geom(
-            name=name,
+        spec.body(robot.root).add_body(name=PAYLOAD, pos=place).add_geom(
+            name=PAYLOAD,
             type=mujoco.mjtGeom.mjGEOM_SPHERE,
             size=[0.005, 0, 0],
             mass=mass,

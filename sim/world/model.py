@@ -7,7 +7,8 @@ rounds: a rerun from the copies is planned with the same digits.
 """
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -57,14 +58,15 @@ def build(robot: Robot, scenario: Scenario) -> World:
     floor = ensure_floor(spec, robot)
     _set_contact(spec, robot, floor.name, scenario.friction)
     servos = servo_settings(scenario, robot.card)
-    ensure_servos(spec, robot, servos)
-    ensure_motors(spec, robot, servos)
-    add_imperfections(spec, robot, floor.name, scenario)
-    ensure_sensors(spec, robot, floor.name, uneven=scenario.bumps > 0)
-    let_down = ensure_start(spec, robot, floor)
-    if scenario.bumps:
-        add_bumps(spec, floor, scenario)
-    add_walls(spec, robot.root, scenario.obstacles)
+    with _free_names(robot):
+        ensure_servos(spec, robot, servos)
+        ensure_motors(spec, robot, servos)
+        add_imperfections(spec, robot, floor.name, scenario)
+        ensure_sensors(spec, robot, floor.name, uneven=scenario.bumps > 0)
+        let_down = ensure_start(spec, robot, floor)
+        if scenario.bumps:
+            add_bumps(spec, floor, scenario)
+        add_walls(spec, robot.root, scenario.obstacles)
     assets = gather(spec, robot)
     model = compile_model(spec, str(robot.path))
     with one_line(f"MuJoCo cannot run the model: {robot.path}"):
@@ -79,6 +81,18 @@ def load(world: World) -> mujoco.MjModel:
     with one_line(f"the engine does not read what it wrote: {MODEL}"):
         spec = mujoco.MjSpec.from_string(world.text, assets=dict(world.assets))
     return compile_model(spec, MODEL)
+
+
+@contextmanager
+def _free_names(robot: Robot) -> Iterator[None]:
+    """Refuse a robot that has a part with a name that the walk's world gives."""
+    try:
+        yield
+    except ValueError as error:
+        if "repeated name" not in str(error):
+            raise
+        why = " ".join(str(error).split())
+        raise ModelError(message("own_name", path=robot.path, why=why)) from error
 
 
 def _set_contact(spec: mujoco.MjSpec, robot: Robot, floor: str, value: float) -> None:

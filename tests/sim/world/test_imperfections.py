@@ -272,13 +272,3 @@ def test_a_level_floor_holds_a_robot_on_hardly_any_friction():
     with pytest.raises(UsageError, match="too steep for a friction of 0.2") as caught:
         held((0.3, 0.0))
     assert "by less than 0.197 rad, or give a friction above 0.309" in str(caught.value)
-
-
-def test_a_payload_has_a_name_beside_a_part_of_that_name(edited, scenario):
-    """As the model of a walk with a payload has one, which may be walked again."""
-    box = '<geom type="box" size="0.01 0.01 0.01" mass="0.1"/>'
-    part = f'<body name="payload" pos="0 0 0.05">{box}</body><body name="leg_1"'
-    robot = edited('<body name="leg_1"', part)
-    model = prepare(scenario(payload=(0.5, 0.0, 0.05, 0.05)), robot).model
-    assert model.body("payload").mass[0] == pytest.approx(0.1)
-    assert model.body("payload_2").mass[0] == pytest.approx(0.5)
