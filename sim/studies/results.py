@@ -126,10 +126,7 @@ class Results:
 
 
 def read_results(path: Path, prediction: str = "") -> Results:
-    """Read a table, or that of a sweep's folder; it must have the prediction.
-
-    If none is named, it is the one that most verdicts of the table are by.
-    """
+    """Read a table, or a sweep's; its prediction is by default that of most verdicts."""
     file = SweepFolder(path).table if path.is_dir() else path
     if path.suffix == ".toml" and path.is_file():
         raise UsageError("not swept yet", str(path), "give stratawalk sweep this file")
@@ -247,6 +244,7 @@ class Findings:
     together: Explained  # shares left over for settings together, where exact
     judge: str  # prediction that verdicts are by, if it is another one
     left_out: int = 0  # walks for which the prediction could not be made
+    asked: int = 0  # points of the whole sweep, if known
 
     @property
     def ranked(self) -> list[tuple[str, Explained]]:
@@ -277,7 +275,7 @@ def findings(results: Results) -> Findings:
     known = int(np.isfinite(off).sum())
     whole = grid and known == len(results)
     how = "exact for this full grid of" if whole else "estimated from"
-    words = results.columns["verdict"]
+    words, values = results.columns["verdict"], results.asked.get("vary", {}).values()
     alone = {
         key: Explained(explained(values, off, whole), explained(values, lost, grid))
         for key, values in columns
@@ -297,4 +295,5 @@ def findings(results: Results) -> Findings:
         ),
         judge="" if results.judge == results.prediction else results.judge,
         left_out=results.left_out,
+        asked=prod(len(v) for v in values if isinstance(v, list)),
     )

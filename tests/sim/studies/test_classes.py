@@ -54,6 +54,16 @@ def test_walks_whose_prediction_could_not_be_made_are_left_out_and_counted():
     assert results([0.1, None]).predicted().left_out == 0
 
 
+def test_a_part_of_a_sweep_is_not_called_all_of_it():
+    given = results([0.1] * 4)
+    part = replace(given, asked={"vary": {"a": [1, 2, 3], "b": [1, 2]}})
+    assert str(findings(part)).startswith("4 of the sweep's 6 points, each counted")
+    assert str(findings(given)).startswith("4 points, each counted")
+    assert str(findings(replace(given, asked={"vary": {"a": 5}}))).startswith(
+        "4 points"
+    )
+
+
 def test_a_path_without_length_is_weighed_by_the_way_that_was_walked():
     found = results([0.1, 0.1], path_length=[0.0, 2.0], distance_walked=[4.0, 4.0])
     assert found.off == pytest.approx([0.05, 0.1])
