@@ -126,7 +126,7 @@ class Results:
 
 
 def read_results(path: Path, prediction: str = "") -> Results:
-    """Read a table, or a sweep's; its prediction is by default that of most verdicts."""
+    """Read a table, or a sweep's; without a prediction, by that of most verdicts."""
     file = SweepFolder(path).table if path.is_dir() else path
     if path.suffix == ".toml" and path.is_file():
         raise UsageError("not swept yet", str(path), "give stratawalk sweep this file")
