@@ -15,7 +15,7 @@ from sim.bench.speed import Row, paired, seconds
 from sim.physics.engine import STRETCH
 from sim.preparation.setup import prepare
 from sim.preparation.shared import Shared
-from sim.scenarios.file import as_given, load_scenario, to_table
+from sim.scenarios.file import load_scenario, to_table
 from sim.scenarios.scenario import Scenario
 from sim.simulation import simulate
 from sim.sweeps.file import Sweep
@@ -81,7 +81,7 @@ def _times_of(scenario: Scenario, count: int) -> tuple[float, float]:
 
     def tasks(start: float, number: int) -> list[Task]:
         points = (replace(scenario, friction=start + 0.01 * n) for n in range(number))
-        return [Task(digest(p, WITHOUT), as_given(p), WITHOUT) for p in points]
+        return [Task(digest(p, WITHOUT), to_table(p), WITHOUT, p.given) for p in points]
 
     with open_pool(count, None) as pool:
         list(pool.carry_out(tasks(0.5, 2 * count)))

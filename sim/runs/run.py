@@ -30,6 +30,7 @@ from sim.scenarios import body_path, obstacles
 from sim.scenarios.file import anchor, scenario_from
 from sim.scenarios.predictions import PREDICTIONS, best
 from sim.scenarios.scenario import Scenario
+from sim.scenarios.settings import SETTINGS
 
 SURE = 2.146  # standard deviations of a normal point in the plane that hold 90 %
 NOMINAL_POINTS = 400  # of the nominal path as it is drawn
@@ -107,7 +108,8 @@ class Run:
         """What was walked."""
         table = deepcopy(dict(self.settings))
         anchor(table, self.folder)
-        return scenario_from(table, {}, str(self.folder / "scenario.toml"))
+        walked = scenario_from(table, {}, str(self.folder / "scenario.toml"))
+        return replace(walked, given=frozenset(SETTINGS))  # nothing was left open
 
     @cached_property
     def card(self) -> Card:

@@ -16,7 +16,7 @@ from sim.errors import UsageError, telling
 from sim.scenarios import body_path as nominal, obstacles as shapes
 from sim.scenarios.body_path import START
 from sim.scenarios.declaration import Table
-from sim.scenarios.scenario import LEFT, Scenario
+from sim.scenarios.scenario import Scenario
 from sim.scenarios.settings import FORMER, SETTINGS
 
 Values = dict[str, Any]  # a table of plain values, by key
@@ -115,7 +115,7 @@ def scenario_from(
     standing = shapes.decode(values.get("obstacles", ()))
     path = nominal.decode(values["path"]) if "path" in values else nominal.line(START)
     own = {**values, "path": path, "obstacles": standing}
-    return Scenario(**own, given=frozenset(values))
+    return Scenario(**own, given=frozenset(changes))
 
 
 def _learnt(path: Path, robot: str) -> object:
@@ -171,12 +171,6 @@ def to_table(scenario: Scenario) -> Values:
         **({} if scenario.motion else {"path": nominal.encode(scenario.path)}),
         **({"obstacles": standing} if standing else {}),
     }
-
-
-def as_given(scenario: Scenario) -> Values:
-    """The same without what is left to the robot's card, which it stays left to."""
-    left = {name for name in LEFT if scenario.leaves(name)}
-    return {key: v for key, v in to_table(scenario).items() if key not in left}
 
 
 def dumps(scenario: Scenario) -> str:

@@ -45,7 +45,7 @@ class Scenario(Settings):
         default=(), metadata={"affects": frozenset({"plan", "world"})}
     )
     path: NominalPath = field(metadata={"affects": frozenset({"plan"})})
-    given: frozenset[str] = field(  # settings that a file or a command line names
+    given: frozenset[str] = field(  # settings that were named beside its file
         default=frozenset(),
         compare=False,
         repr=False,

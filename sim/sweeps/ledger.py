@@ -22,8 +22,8 @@ from pathlib import Path
 from models import ModelError, load
 from planner.support import open_file, read_file
 from sim.errors import FilesError, UsageError, is_text, printable, telling
-from sim.scenarios.file import as_given
-from sim.scenarios.scenario import Scenario
+from sim.scenarios.file import to_table
+from sim.scenarios.scenario import LEFT, Scenario
 from sim.sweeps.file import flat
 from sim.versions import PACKAGES, versions
 
@@ -34,9 +34,10 @@ ALIKE = (*PACKAGES, "machine", "code")
 
 def digest(scenario: Scenario, without: Sequence[str]) -> str:
     """Digest of all that decides a point's numbers, but for versions and names."""
-    named = as_given(scenario).items()
+    named = to_table(scenario).items()
     table = {key: value for key, value in named if key not in ("name", "description")}
-    about = table, sorted(without), files_of(scenario)
+    own = sorted(key for key in LEFT & scenario.given if key in table)
+    about = table, own, sorted(without), files_of(scenario)
     content = json.dumps(about, sort_keys=True, default=str)
     return hashlib.sha256(content.encode()).hexdigest()[:32]
 

@@ -19,7 +19,7 @@ from sim.errors import FilesError, UsageError, one_line
 from sim.folder import RunFolder, ensure_folder, require_free
 from sim.preparation.shared import PLAN
 from sim.run_folder import run
-from sim.scenarios.file import as_given, scenario_from
+from sim.scenarios.file import to_table
 from sim.sweeps.file import Sweep
 from sim.sweeps.folder import (
     POINT,
@@ -78,7 +78,8 @@ class Points:
 
         order = sorted(todo.values(), key=place)
         without = self.sweep.without
-        return [Task(self.digests[p], self.tables[p], without) for p in order]
+        named = self.sweep.named
+        return [Task(self.digests[p], self.tables[p], without, named) for p in order]
 
     def rows(self, known: Mapping[str, Outcome]) -> Iterator[Row]:
         """Rows of the table from the outcomes of all points, by their digests."""
@@ -107,7 +108,7 @@ def points_of(sweep: Sweep, shard: Shard) -> Points:
     first: dict[Hashable, int] = {}  # point of a plan; others differ in physics alone
     return Points(
         sweep,
-        {n: as_given(scenario) for n, scenario in scenarios.items()},
+        {n: to_table(scenario) for n, scenario in scenarios.items()},
         {n: digest(scenario, sweep.without) for n, scenario in scenarios.items()},
         {n: first.setdefault(s.key(*PLAN), n) for n, s in scenarios.items()},
     )
@@ -185,7 +186,7 @@ def write_run_folders(points: Points, folder: SweepFolder) -> list[str]:
             walked &= point_in(at) == json.loads(json.dumps(now))
             if walked and (at / last).exists():
                 continue
-            scenario = scenario_from(points.tables[point], {}, f"point {point}")
+            scenario = points.sweep.at(point)
             try:
                 if not walked:
                     _clear(at)

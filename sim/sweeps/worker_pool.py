@@ -14,10 +14,10 @@ import signal
 import tempfile
 import time
 from collections import Counter, deque
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any
 
@@ -65,12 +65,14 @@ class Task:
     digest: str
     table: Mapping[str, object]  # of its scenario, in plain values
     without: Sequence[str] = ()
+    named: Collection[str] = ()  # settings that the sweep gives
 
     def carry_out(self) -> Outcome:
         """Walk the point; whatever goes wrong with it becomes its status."""
         code, left_out = self.digest, self.without
         try:
             scenario = scenario_from(self.table, {}, "the sweep")
+            scenario = replace(scenario, given=frozenset(self.named))
             shared = _shared(ledger.files_of(scenario))
             code = ledger.digest(scenario, left_out)
             summary = simulate(scenario, without=left_out, shared=shared).summary

@@ -269,5 +269,6 @@ def _scenario_of(robot: Robot, plan: Plan, changes: dict[str, Any]) -> Scenario:
             "segments": len(plan.segment_ends),
             "path": waypoints(plan.nominal[:, :3].tolist()),
         }
-        | changes
+        | changes,
+        given=frozenset(changes),
     )

@@ -1,11 +1,17 @@
 """A card's [fitted] and `imperfect` set what nobody names, be it the default or not."""
 
+from dataclasses import replace
+
 import pytest
 
 from models import load
-from sim.scenarios.file import as_given, load_scenario, scenario_from
-from sim.scenarios.scenario import LEFT, drawn
+from sim.scenarios.file import dumps, load_scenario, scenario_from
+from sim.scenarios.scenario import drawn
 from sim.scenarios.settings import SETTINGS
+from sim.sweeps.file import read_sweep
+from sim.sweeps.folder import Shard
+from sim.sweeps.ledger import digest
+from sim.sweeps.sweeping import points_of
 
 FITTED = "\n[fitted]\nfriction = 0.3\nbacklash = 0.01\n"
 
@@ -33,12 +39,28 @@ def test_what_is_named_is_not_drawn_though_it_is_the_default():
     assert found.zero_offset > 0
 
 
-@pytest.mark.parametrize("named", [{}, {"friction": 1.0}, {"backlash": 0.0}])
-def test_a_table_as_it_was_given_is_read_as_the_same_scenario(named):
-    """So that the point of a sweep is walked by a worker as it was asked for."""
-    asked = load_scenario("line", named)
-    table = as_given(asked)
-    assert LEFT & table.keys() == named.keys()
-    again = scenario_from(table, {}, "the sweep")
-    assert again == asked
-    assert LEFT & again.given == named.keys()
+def test_a_file_that_lists_every_setting_leaves_its_defaults_to_the_card(
+    fitted, tmp_path
+):
+    """As `stratawalk scenarios line` prints it, for an owner to change."""
+    (tmp_path / "mine.toml").write_text(dumps(load_scenario("line")))
+    found = drawn(load_scenario(str(tmp_path / "mine.toml")), fitted)
+    assert (found.friction, found.backlash) == (0.3, 0.01)
+
+
+@pytest.mark.parametrize("given", ["friction = [0.3, 1.0]", "backlash = [0.0, 0.1]"])
+def test_a_point_of_a_sweep_is_walked_as_it_was_asked_for(given, tmp_path):
+    """Also by a worker that gets its table, and says what it has walked."""
+    file = tmp_path / "mine.toml"
+    file.write_text(f'scenario = "line"\n[grid]\n{given}\n')
+    sweep = read_sweep(str(file))
+    points = points_of(sweep, Shard())
+    for point, task in enumerate(points.tasks({})):
+        again = replace(
+            scenario_from(task.table, {}, "the sweep"), given=frozenset(task.named)
+        )
+        assert again == sweep.at(point)
+        assert again.given == sweep.at(point).given == {given.partition(" ")[0]}
+        assert digest(again, ()) == task.digest
+    left = load_scenario("line")
+    assert digest(left, ()) not in points.digests.values()

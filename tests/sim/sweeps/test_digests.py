@@ -5,7 +5,7 @@ import os
 import pytest
 
 from sim.scenarios.body_path import line
-from sim.scenarios.file import as_given
+from sim.scenarios.file import to_table
 from sim.sweeps.ledger import digest
 from sim.sweeps.worker_pool import Task
 
@@ -59,7 +59,7 @@ def test_a_lasting_worker_walks_the_robot_as_its_file_is_now(edited, scenario):
     robot = edited()
     point = scenario(robot=str(robot.path), segments=1, path=line((0.005, 0, 0)))
     left_out = ("identified", "compliant", "creep_floor")
-    task = Task(digest(point, left_out), as_given(point), left_out)
+    task = Task(digest(point, left_out), to_table(point), left_out)
     before, again = task.carry_out(), task.carry_out()
     assert before == again
     text = robot.path.read_text()
