@@ -26,7 +26,7 @@ UNDECODED = re.compile("[\udc80-\udcff]")  # bytes that are not UTF-8
 COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 TAG = re.compile(r"<([A-Za-z_][\w.-]*)((?:[^<>\"']|\"[^\"]*\"|'[^']*')*)>")
 ATTRIBUTE = re.compile(r"([\w.:-]+)\s*=\s*(\"[^\"]*\"|'[^']*')")
-PARTS = "joint|geom|body|site|mesh|material|texture|hfield|tendon|actuator"
+PARTS = "joint|geom|body|site|mesh|material|texture|hfield|tendon|actuator|link|camera"
 TEXTS = re.compile(f"name$|class$|^(model|prefix|file|target)$|({PARTS})[12]?$")
 """Attributes that may say "nan": they name something."""
 SECTIONS = ("opt", "vis", "stat")  # of a compiled model, beside its arrays

@@ -20,7 +20,7 @@ from sim.motion.schedule import Schedule, Scheduler
 from sim.preparation.scheduling import schedule_flows
 from sim.preparation.setup import Setup, prepare
 from sim.problems.scenario import ScenarioProblem
-from sim.scenarios.scenario import Scenario, drawn
+from sim.scenarios.scenario import Scenario
 from sim.walking.walks import next_segment
 
 SERVO_RATE = 50.0  # commands a second where the servos have no rate, as most take
@@ -119,7 +119,7 @@ def served(scenario: Scenario, rate: float = SERVO_RATE) -> ServedWalk:
             where = f"scenario {scenario.name!r}"
             raise UsageError.of("piecewise", where, key=key, value=value)
     setup = prepare(scenario)
-    known = drawn(scenario, setup.robot)
+    known = setup.scenario
     learn = True if scenario.learn is None else scenario.learn
     band = known.as_assumed.dead_band  # for which commands allow, a number by now
     plain = replace(known.as_planned, assumed_dead_band=band)  # type: ignore[arg-type]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import shapely
 
-from models import load
+from models import SERVO_KINDS, load
 from planner import PlannerError
 from sim.cli import main
 from sim.export.served import served
@@ -52,6 +52,8 @@ def test_commands_allow_for_a_dead_band_that_is_given():
 
     plain, given = commands(), commands(dead_band=0.0087)
     assert (given == commands(assumed_dead_band=0.0087)).all()
+    own = SERVO_KINDS["mg90"].dead_band
+    assert (commands(dead_band="own") == commands(assumed_dead_band=own)).all()
     assert np.abs(given - plain).max() > 0.001
 
 
