@@ -52,7 +52,8 @@ def test_text_with_a_number_that_is_none_is_refused(tmp_path, part, said, messag
 @pytest.mark.parametrize("name", ["inf", "NaN", "Infinity"])
 def test_names_that_read_as_numbers_are_names(tmp_path, name):
     path = tmp_path / "mine.xml"
-    also = f'<site site="{name}"/><pair geom1="{name}" geom2="g"/><parent link="{name}"/><x objname="{name}"/>'
+    also = f'<site site="{name}"/><pair geom1="{name}" geom2="g"/><x objname="{name}"/>'
+    also += f'<parent link="{name}"/><sensor camera="{name}"/>'
     drive = f'<position joint="{name}" class="{name}"/><body childclass="{name}"/>'
     path.write_text(text(joint=f'class="{name}"') + also + drive)
     check_text(path)
