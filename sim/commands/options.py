@@ -110,7 +110,8 @@ def reader_of(
         table = servo_table(card, card.joints, make, pwm, rate=settings.rate)
         servos = (table.in_microseconds() if pulses else table).channels
         angles = {servo.joint: servo.angle for servo in servos}
-        for one in [s for s in servos if s.joint not in card.joint_servos][:1]:
+        if unknown := [s for s in servos if s.joint not in card.joint_servos]:
+            one = unknown[0]
             turn = f"{tau * one.counts_per_radian:.0f} {options.units} a turn"
             line = f"the card gives no servo of {one.joint!r}; {turn} are taken"
             notice(f"{line}, {one.center:.0f} at angle zero")

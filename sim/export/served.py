@@ -37,8 +37,8 @@ IN_PIECES: dict[str, tuple[str | int | None, ...]] = {
 class ServedWalk:
     """A walk whose commands for `joints` go elsewhere, from where its poses come.
 
-    Its `stops` are what feedback made of each segment so far, and so many were
-    `scaled_down` to the range of the joints. The rate, in commands a
+    Its `stops` are what feedback made of each segment so far; `scaled_down` counts
+    the segments that were cut to the range of the joints. The rate, in commands a
     second, is taken where the servos have none of their own.
     """
 

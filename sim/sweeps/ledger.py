@@ -36,8 +36,7 @@ def digest(scenario: Scenario, without: Sequence[str]) -> str:
     """Digest of all that decides a point's numbers, but for versions and names."""
     named = to_table(scenario).items()
     table = {key: value for key, value in named if key not in ("name", "description")}
-    own = sorted(key for key in LEFT & scenario.given if key in table)
-    about = table, own, sorted(without), files_of(scenario)
+    about = table, sorted(LEFT & scenario.given), sorted(without), files_of(scenario)
     content = json.dumps(about, sort_keys=True, default=str)
     return hashlib.sha256(content.encode()).hexdigest()[:32]
 
