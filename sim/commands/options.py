@@ -39,11 +39,8 @@ def scenario_of(options: argparse.Namespace) -> Scenario:
     known = source in shipped_scenarios() or (Path(source).exists() and not of_robot)
     if not known and (meant := command_for(source, options.execute.name)):
         raise UsageError(f"{source!r} is no scenario", "SCENARIO", f"try {meant}")
-    overrides, given = settings_of(options), given_settings(options)
-    for key, option in given.items():
-        if key in overrides:
-            raise UsageError.of("twice", f"{option} and --set {key}", key=key)
-        overrides[key] = getattr(options, key)
+    overrides = settings_of(options)
+    overrides |= {key: getattr(options, key) for key in given_settings(options)}
     scenario = load_scenario(source, overrides)
     *place, yaw = scenario.path.goal
     tell_radians("yaw", yaw)
@@ -82,12 +79,12 @@ def given_settings(options: argparse.Namespace) -> dict[str, str]:
 
 
 def settings_of(options: argparse.Namespace) -> dict[str, object]:
-    """What `--set` sets; a key that comes twice is refused."""
+    """What `--set` sets; a key that comes twice, or by its own word too, is refused."""
     from sim.scenarios.file import parse_override
 
     values: dict[str, object] = {}
     for key, value in map(parse_override, options.set):
-        if key in values:
+        if key in values or key in given_settings(options):
             raise UsageError(f"{key} is given twice", f"--set {key}", "keep one")
         values[key] = value
     return values

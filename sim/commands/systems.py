@@ -77,7 +77,7 @@ def is_system(source: str, others: Collection[str], kind: str = "scenario") -> b
     path = Path(source)
     if path.suffix == ".toml" and kind == "scenario":
         with suppress(OSError, ValueError):
-            return "strata" in parse_toml(read_text(path))
+            return not {"state", "strata"}.isdisjoint(parse_toml(read_text(path)))
         return False
     if path.suffix or len(path.parts) > 1 or source in others:
         return path.suffix in SUFFIXES

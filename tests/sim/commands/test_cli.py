@@ -52,6 +52,7 @@ QUICK = (*SHORT, "--set", 'predictions=["quasi_static"]')
             2,
             "robot is given twice",
         ),
+        (["identify", "hexapod", "--set", "robot=y"], 2, "robot is given twice"),
         (["run", "line", *2 * ["--set", "friction=1"]], 2, "friction is given twice"),
         (["run", "line", "--out", ""], 2, "an empty name: --out; name a folder"),
         (["run", "line", "--robot", "centipede"], 2, "unknown robot: 'centipede'"),

@@ -281,10 +281,12 @@ def test_list_of_systems_has_parameters(facts):
         ),
         ("plan car --save .", 2, "already exists: \\.; give --save another name"),
         ("run mine.toml", 2, "a system of strata is no scenario: mine.toml; plan or"),
+        ("plan begun.toml", 2, "bad system: begun.toml; strata is missing"),
     ],
 )
 def test_refusal_is_one_line_and_a_code(stratawalk, words, code, said):
     Path("mine.toml").write_text(LINE)
+    Path("begun.toml").write_text('state = ["x"]\ngoal = { x = 1 }')
     ended, out, err = stratawalk(*words.split())
     assert (ended, out) == (code, "")
     (line,) = err.splitlines()
