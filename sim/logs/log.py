@@ -167,7 +167,7 @@ def _table(path: Path, joints: Sequence[str] = ()) -> dict[str, Array]:
     names = [n if n in joints else n.strip() for n in next(lines, [])]
     if TIME not in names:
         raise ValueError("no column 'time'; begin with a line of names: time, JOINT")
-    if twice := Counter(names) - Counter(set(names)):
+    if twice := Counter(filter(None, names)) - Counter(set(names)):
         raise ValueError(f"column {min(twice)!r} comes twice")
     cells: list[list[float]] = []
     for number, row in enumerate(lines, 1):
@@ -178,7 +178,8 @@ def _table(path: Path, joints: Sequence[str] = ()) -> dict[str, Array]:
         cells.append([_number(*cell, number) for cell in zip(names, row, strict=True)])
     if len(cells) < 2:
         raise ValueError("fewer than two rows of numbers; give two at least")
-    return dict(zip(names, np.array(cells).T, strict=True))
+    columns = zip(names, np.array(cells).T, strict=True)
+    return {n: numbers for n, numbers in columns if n or np.isfinite(numbers).any()}
 
 
 def _number(name: str, cell: str, row: int) -> float:
