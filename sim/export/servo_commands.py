@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from planner import Array
+from sim.drive.feed_forward import FeedForward
 from sim.errors import UsageError
 from sim.motion.schedule import SLACK, command_at, step_of
 from sim.physics.engine import STRETCH
@@ -54,14 +55,10 @@ class ServoCommands:
             row = np.arange(begin, min(begin + STRETCH, steps))
             ctrl = np.tile(rest, (len(row), 1))
             if interpolated:
-                when = np.minimum(row * pace, last)
-                number = np.minimum(when.astype(int), max(last - 1, 0))
-                part = (when - number)[:, None]
-                after = self.angles[np.minimum(number + 1, last)]
-                ctrl[:, actuators] = (1 - part) * self.angles[number] + part * after
+                ctrl[:, actuators] = FeedForward(self.angles, 1).at(row * pace)
             else:
-                number = np.minimum(command_at(row, pace), last)
-                ctrl[:, actuators] = self.angles[number]
+                held = np.minimum(command_at(row, pace), last)
+                ctrl[:, actuators] = self.angles[held]
             yield ctrl
 
 
