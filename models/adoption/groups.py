@@ -231,7 +231,7 @@ class _Trial:
         self._pose.data.qpos[:] = pose.data.qpos
         self._rest = [(pose.angle(m.swing), pose.angle(m.lift)) for m in limbs]
         self._limbs, self._groups, self._lift = limbs, groups, lift
-        self._always = set(self._pairs((0.0, 0.0), (False, False)))
+        self._at_rest = self._near((0.0, 0.0), (False, False))
 
     def first_touching(self, farthest: float) -> tuple[int, tuple[str, str]] | None:
         """The least level at which parts touch, and which; None up to the farthest."""
@@ -241,15 +241,16 @@ class _Trial:
         for one, other in levels:
             angles = farthest * one / TRIED_ANGLES, farthest * other / TRIED_ANGLES
             for raised in ((False, False), (True, False), (False, True)):
-                for a, b in self._pairs(angles, raised):
-                    if (a, b) not in self._always:
+                for (a, b), apart in self._near(angles, raised).items():
+                    before = self._at_rest.get((a, b))
+                    if before is None or apart < 0 <= before:
                         return max(abs(one), abs(other)), (name(a).name, name(b).name)
         return None
 
-    def _pairs(
+    def _near(
         self, swing: tuple[float, float], raised: tuple[bool, bool]
-    ) -> list[tuple[int, int]]:
-        """Geoms of the robot that touch at angles of the groups [rad]."""
+    ) -> dict[tuple[int, int], float]:
+        """Distances of geoms of the robot that are near at angles of the groups [m]."""
         angles = {}
         for group, angle, up in zip(self._groups, swing, raised, strict=True):
             for place, gain in group.items():
@@ -263,4 +264,6 @@ class _Trial:
         geoms = data.contact.geom.reshape(-1, 2)
         roots = model.body_rootid[model.geom_bodyid[geoms]]
         own = (roots == self._pose.root).all(axis=1) & (data.contact.exclude == 0)
-        return [(one, other) for one, other in np.sort(geoms[own]).tolist()]
+        order = np.argsort(-data.contact.dist[own])  # of a pair's contacts the deepest
+        pairs = map(tuple, np.sort(geoms[own])[order].tolist())
+        return dict(zip(pairs, data.contact.dist[own][order].tolist(), strict=True))

@@ -22,7 +22,6 @@ OFFSET, DRIFT = 15, 16  # of the gyroscope
 STATES = 17
 GATE = 11.345  # 99 % of chi-squared with three degrees of freedom
 STRANGE = 3  # readings in a row beyond the gate that mean that the robot was moved
-NEARLY_UNKNOWN = np.array([0.02, 0.02, 0.05])  # bias, for the bound [m], [m], [rad]
 LEAST = 1e-12  # standard deviation [m], [rad], which keeps exact readings regular
 ABSURD = 1e9  # [m], [rad] or [s]; what is more is a mistake
 LOWER = np.tril_indices(12)  # of the covariance of b and A
@@ -94,6 +93,7 @@ class Feedback:
         slope: Estimate of A in the same error, (..., 3, 3).
         scatter: Standard deviation of the error about b + A u, (3,).
         covariance: Of pose, b, A by rows, offset and rate, (..., 17, 17).
+        foreknown: Covariance of b before anything was seen, were A known, (..., 3, 3).
 
     Example:
         >>> from math import radians
@@ -134,6 +134,7 @@ class Feedback:
             self.covariance = self.covariance.copy()
             self.covariance[..., 3:15, 3:15] = learnt.covariance
         self._strange = np.zeros(batch, int)
+        self.foreknown = _given_slope(self.covariance[..., 3:15, 3:15])
 
     @property
     def claimed(self) -> Array:
@@ -255,18 +256,32 @@ class Feedback:
         return doubt * factor[..., None, None]
 
 
+def _given_slope(covariance: Array) -> Array:
+    """Covariance (..., 3, 3) of b if A were known, from that of both, (..., 12, 12)."""
+    across, slope = covariance[..., :3, 3:], covariance[..., 3:, 3:]
+    told = across @ np.linalg.pinv(slope) @ np.swapaxes(across, -1, -2)
+    return covariance[..., :3, :3] - told
+
+
 def bound(
-    sensing: Sensing, meant: Array, seen: Array, scatter: Array, seconds: Array
+    sensing: Sensing,
+    meant: Array,
+    seen: Array,
+    scatter: Array,
+    seconds: Array,
+    foreknown: Array,
 ) -> tuple[float, float]:
     """Least error of position [m] and yaw [rad] that any estimator could have.
 
     The posterior Cramer-Rao bound at the last stop but before its reading (Van Trees,
     Detection, Estimation and Modulation Theory), where nothing is unknown but a
-    constant bias. Motions (n, 3) were meant in so many seconds (n,), with a scatter
-    (3,) about the bias; of readings (n, 4) it only counts which are NaN.
+    constant bias, foreknown with a covariance (3, 3). Motions (n, 3) were meant in so
+    many seconds (n,), with a scatter (3,) about the bias; of readings (n, 4) it only
+    counts which are NaN.
     """
-    ideal = Misses(NEARLY_UNKNOWN, np.zeros((3, 3)), scatter, np.zeros(3))
-    knows = Feedback(sensing, 1.0, ideal)
+    knows = Feedback(sensing, 1.0, NONE_MISSED._replace(scatter=scatter))
+    knows.covariance = knows.covariance.copy()
+    knows.covariance[BIAS, BIAS] = foreknown
     for k, motion in enumerate(meant):
         knows.moved(motion - knows.bias, float(seconds[k]))
         if k < len(meant) - 1:

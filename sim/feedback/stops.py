@@ -124,7 +124,8 @@ class Followed:
     def bound(self) -> tuple[float, float]:
         """Least error of position [m] and yaw [rad] that any estimator could have had.
 
-        Scatter is what they missed beside the best affine function of what was meant.
+        It is one that foreknew as much of b, and A in whole. Scatter is what they
+        missed beside the best affine function of what was meant.
         """
         meant = np.array([stop.meant for stop in self.stops])
         poses = np.array([np.zeros(3), *(stop.true for stop in self.stops)])
@@ -137,4 +138,5 @@ class Followed:
             scatter = np.sqrt(((missed - known @ fitted) ** 2).sum(axis=0) / left)
         seen = np.array([stop.seen for stop in self.stops])
         seconds = np.array([stop.seconds for stop in self.stops])
-        return bound(self.feedback.sensing, meant, seen, scatter, seconds)
+        told = self.feedback.sensing, meant, seen, scatter, seconds
+        return bound(*told, self.feedback.foreknown)

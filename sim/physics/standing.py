@@ -23,7 +23,7 @@ from sim.errors import UsageError
 from sim.scenarios.predictions import imperfect
 from sim.scenarios.scenario import Scenario
 from sim.world.model import suitable_integrator
-from sim.world.sensors import PREFIX, contact_sensor
+from sim.world.sensors import PREFIX, floor_in
 
 SETTLING = 0.5  # [s]
 CHUNK = 10  # steps between two looks at whether Ctrl-C was pressed
@@ -172,8 +172,7 @@ class _Standing:
 
     def lying(self) -> Iterator[tuple[str, str]]:
         """Contacts of parts that are no feet, or with things that are not the floor."""
-        model, watched = self.model, contact_sensor(self.robot.card.feet[0])
-        floor = int(model.sensor_objid[model.sensor(watched).id])
+        model, floor = self.model, floor_in(self.model, self.robot.card.feet[0])
         for own, other in self._touched():
             if own not in self._feet:
                 yield problem("lies", own=self._name(own), other=self._name(other))

@@ -23,6 +23,8 @@ from sim.pictures.drawing import Drawing, Mark
 from sim.pictures.ghost import Ghost, body_corners, ghost_of
 from sim.pictures.legend import NOSE, text
 from sim.runs.run import Run
+from sim.world.parts import forget_defaults
+from sim.world.sensors import floor_in
 
 SUN = np.array([-0.25, 0.35, -1.0])  # direction of the direct light
 SUN_DISTANCE = 5.0  # [reach of the robot]
@@ -135,7 +137,7 @@ class BodyLines:
     """Draws what tells the body: its outline, its front, and the paths below it."""
 
     def __init__(self, walk: Run, model: mujoco.MjModel) -> None:
-        self._root, height = root_body(model, walk.model_file), floor_height(walk.model)
+        self._root, height = root_body(model, walk.model_file), floor_height(walk)
         self._corners = body_corners(model, self._root)
         low, high = self._corners.min(axis=0), self._corners.max(axis=0)
         middle, ahead = (low[2] + high[2]) / 2, AHEAD * (high - low)[:2].min()
@@ -203,19 +205,19 @@ def _disc(number: str, colour: Colour) -> Array:
     return np.asarray(large.resize((side, side), Image.Resampling.LANCZOS))
 
 
-def floor_height(model: mujoco.MjModel) -> float:
-    """Height of the tops of a world's floor, which has the one height field [m]."""
-    kinds = mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_HFIELD
-    floors = np.flatnonzero(np.isin(model.geom_type, kinds))[:1]
-    return float(model.geom_pos[floors, 2].sum() + model.hfield_size[:1, 2].sum())
+def floor_height(walk: Run) -> float:
+    """Height of the tops of a world's floor [m]."""
+    floor = floor_in(walk.model, walk.card.feet[0])
+    return float(walk.model.geom_pos[floor, 2]) + walk.scenario.bumps
 
 
 def build(walk: Run, marks: Sequence[Mark], look: Look) -> mujoco.MjModel:
     """The model of a walk with its marks on the floor, one mesh each."""
     spec = mujoco.MjSpec.from_file(str(walk.model_file))
+    forget_defaults(spec)  # marks are meshes, and have no scale of a file's
     _light(spec, look)
     _lay_floor(spec)
-    floor = floor_height(walk.model)
+    floor = floor_height(walk)
     for layer, mark in enumerate(marks, start=1):
         _draw(spec, mark, floor + LAYER * walk.reach * layer, LAYER * walk.reach)
     visual = spec.visual
@@ -259,7 +261,7 @@ def _lay_floor(spec: mujoco.MjSpec) -> None:
     """Make the floor plain, with no texture."""
     spec.add_material(name=FLOOR, specular=0)
     kinds = mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_HFIELD
-    for geom in spec.worldbody.geoms:
+    for geom in spec.geoms:
         if geom.type in kinds:
             geom.material, geom.rgba = FLOOR, palette.PAPER.rgba()
 

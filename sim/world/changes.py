@@ -13,7 +13,7 @@ from sim.scenarios.scenario import Scenario
 from sim.world import servos
 from sim.world.floor import SOLVING, floor_pairs, scene
 from sim.world.motors import added_rotors, undamped_joints
-from sim.world.others import couplings, loose_joints, other_drives
+from sim.world.others import couplings, holds_body, loose_joints, other_drives
 
 MESSAGES: Mapping[str, str] = shipped_tables("sim.world", "changes.toml")
 
@@ -42,6 +42,7 @@ def changes(robot: Robot, scenario: Scenario) -> Iterator[str]:
         "lifted": [body.name for body in spec.bodies if body.gravcomp],
         "ties": [t.name for t in spec.tendons if any((*t.stiffness, *t.range))],
         "leaning": ["gravity"] if any(spec.option.gravity[:2]) else [],
+        "held": [robot.root] if holds_body(robot) else [],
         "loose": loose_joints(robot),
         "pairs": sorted({p.geomname1 for p in pairs} | {p.geomname2 for p in pairs}),
     }

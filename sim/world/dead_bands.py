@@ -16,7 +16,7 @@ from models.description import ON_JOINT, actuators_of
 from planner import Array
 from sim.errors import UsageError
 from sim.scenarios.scenario import Scenario
-from sim.world.servos import plain_actuator, servo_settings
+from sim.world.servos import servo_settings
 
 BAND, STEP = "band_", "step_"  # springs, before the names of their joints
 STEEP = 4.0  # of the spring at a step, in stiffnesses: a quarter of the band's half
@@ -60,7 +60,8 @@ def ensure_dead_bands(spec: mujoco.MjSpec, robot: Robot, scenario: Scenario) -> 
         most = (stiffness + steep) * width / 2
         for kind, gain in {BAND: -stiffness - steep, STEP: steep}.items():
             if gain:
-                spring = plain_actuator(spec, kind + name, name)
+                on = mujoco.mjtTrn.mjTRN_JOINT
+                spring = spec.add_actuator(name=kind + name, target=name, trntype=on)
                 spring.set_to_position(kp=gain)
                 spring.forcelimited, spring.forcerange = True, [-most, most]
         # beyond the band the spring takes that much from the servo's largest torque

@@ -12,8 +12,10 @@ import numpy as np
 
 from models import ModelError, Robot
 from models.description import FOLDER, compile_model
+from planner import Array
 from sim.errors import message
 from sim.scenarios.scenario import Scenario
+from sim.world.parts import copy_settings
 
 BUMPS = "bumps"  # name of the height field
 CELL = 0.01  # [m] between heights, or more where the floor is large
@@ -36,7 +38,7 @@ class Floor:
 @dataclass(frozen=True)
 class _Plane:
     geom: mujoco.MjsGeom
-    height: float  # [m]
+    place: Array  # of its middle in the world, (3,) [m]
     tilt: float  # of its normal from the vertical [rad]
     out_of_reach: list[str]  # feet that can never touch it
 
@@ -57,7 +59,9 @@ def scene() -> mujoco.MjSpec:
 
 def floor_pairs(spec: mujoco.MjSpec, robot: Robot) -> list[mujoco.MjsPair]:
     """The file's own contacts of feet with the world, friction and all."""
-    feet, world = {*robot.card.feet}, {geom.name for geom in spec.worldbody.geoms}
+    model, feet = robot.model, {*robot.card.feet}
+    fixed = np.flatnonzero(model.body_weldid[model.geom_bodyid] == 0)
+    world = {model.geom(number).name for number in fixed}
     ends = [(pair, {pair.geomname1, pair.geomname2}) for pair in spec.pairs]
     return [pair for pair, both in ends if both & feet and both & world]
 
@@ -65,8 +69,9 @@ def floor_pairs(spec: mujoco.MjSpec, robot: Robot) -> list[mujoco.MjsPair]:
 def ensure_floor(spec: mujoco.MjSpec, robot: Robot) -> Floor:
     """The plane to stand on, with the contact of the shipped scene's floor.
 
-    It is the highest horizontal plane that all feet can touch; the shipped scene joins
-    a robot that has none. A plane that is neither floor nor wall is refused.
+    It is the highest horizontal plane that all feet can touch, in the world itself and
+    no other body; the shipped scene joins a robot that has none. A plane that is
+    neither floor nor wall is refused.
     """
     for pair in floor_pairs(spec, robot):
         spec.delete(pair)
@@ -81,12 +86,24 @@ def ensure_floor(spec: mujoco.MjSpec, robot: Robot) -> Floor:
         for plane in planes:
             _refuse_half_a_floor(plane, robot)
         return _join_scene(spec, feet)
-    plane = max(floors, key=lambda p: p.height)
-    floor, own = plane.geom, scene().geom("floor")
+    plane = max(floors, key=lambda p: p.place[2])
+    floor, own = _in_world(spec, plane), scene().geom("floor")
     floor.name = floor.name or "floor"
     floor.solref, floor.solimp = own.solref, own.solimp
     floor.priority = 1 + max(0, *(foot.priority for foot in feet))
-    return Floor(str(floor.name), plane.height)
+    return Floor(str(floor.name), float(plane.place[2]))
+
+
+def _in_world(spec: mujoco.MjSpec, plane: _Plane) -> mujoco.MjsGeom:
+    """The geom of a horizontal plane, or another in its stead, placed in the world."""
+    floor, name = plane.geom, plane.geom.name
+    if floor.frame is not None or floor.parent != spec.worldbody:
+        floor = spec.worldbody.add_geom()
+        copy_settings(floor, plane.geom)
+        spec.delete(plane.geom)
+    floor.name, floor.pos, floor.quat = name, plane.place, [1, 0, 0, 0]
+    floor.alt.type = mujoco.mjtOrientation.mjORIENTATION_QUAT
+    return floor
 
 
 def _planes(
@@ -103,8 +120,8 @@ def _planes(
             up = np.clip(data.geom_xmat[geom.id, 8], -1, 1)
             own, hits = geom.contype, geom.conaffinity
             apart = [f.name for f in feet if not own & f.conaffinity | f.contype & hits]
-            height = float(data.geom_xpos[geom.id, 2])
-            planes.append(_Plane(geom, height, float(np.arccos(up)), apart))
+            place = data.geom_xpos[geom.id]
+            planes.append(_Plane(geom, place, float(np.arccos(up)), apart))
     return planes
 
 

@@ -5,7 +5,7 @@ effect. Dead bands of servos are added by `dead_bands`.
 """
 
 from collections.abc import Sequence
-from math import atan, cos, sin, tan
+from math import atan, cos, degrees, sin, tan
 from typing import Any
 
 import mujoco
@@ -44,18 +44,10 @@ def add_imperfections(
         rigid = _mobility(spec, robot)
         own = {"solimp_limit": HARD, "armature": LOOSE, "damping": RUBBED}
         for name in robot.card.joints:
-            add_loose(spec.joint(name), BACKLASH, slack, **own)
+            add_loose(spec, name, BACKLASH, slack, **own)
         _stiffen(spec.geom(floor), _mobility(spec, robot) / rigid)
     if scenario.payload is not None and scenario.payload[0]:
-        mass, *place = scenario.payload
-        spec.body(robot.root).add_body(name=PAYLOAD, pos=place).add_geom(
-            name=PAYLOAD,
-            type=mujoco.mjtGeom.mjGEOM_SPHERE,
-            size=[0.005, 0, 0],
-            mass=mass,
-            contype=0,
-            conaffinity=0,
-        )
+        _add_payload(spec, robot, *scenario.payload)
     if scenario.slope is not None:
         _require_hold(scenario)
         angle, direction = scenario.slope  # what pulls down leans, not the plane z = 0
@@ -64,6 +56,29 @@ def add_imperfections(
         spec.option.gravity = [size * part for part in (*downhill, -cos(angle))]
     if scenario.foot_friction is not None:
         _set_foot_friction(spec, robot, spec.geom(floor), scenario.foot_friction)
+
+
+def _add_payload(spec: mujoco.MjSpec, robot: Robot, mass: float, *place: float) -> None:
+    """Add a small sphere that weighs this, whatever a file says of what has mass."""
+    compiler, size = spec.compiler, 0.005
+    if (total := compiler.settotalmass) > 0:  # the engine scales all masses to this sum
+        compiler.settotalmass = -1
+        unscaled = compile_model(spec.copy(), str(robot.path)).body_mass.sum()
+        compiler.settotalmass, mass = total + mass, mass * unscaled / total
+    body = spec.body(robot.root).add_body(name=PAYLOAD, pos=place)
+    if compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_FALSE:
+        body.inertia, body.ipos = [0.4 * mass * size**2] * 3, [0, 0, 0]
+        body.mass, body.explicitinertial = mass, True
+    body.add_geom(
+        spec.default,
+        name=PAYLOAD,
+        type=mujoco.mjtGeom.mjGEOM_SPHERE,
+        size=[size, 0, 0],
+        mass=mass,
+        group=compiler.inertiagrouprange[0],
+        contype=0,
+        conaffinity=0,
+    )
 
 
 def _require_counts(robot: Robot, scenario: Scenario) -> None:
@@ -123,18 +138,23 @@ def _set_foot_friction(
             foot.condim, foot.priority = floor.condim, floor.priority + 1
 
 
-def add_loose(joint: mujoco.MjsJoint, prefix: str, width: float, **own: Any) -> None:
+def add_loose(
+    spec: mujoco.MjSpec, name: str, prefix: str, width: float, **own: Any
+) -> None:
     """Another joint about the axis of a joint, between stops a width apart [rad]."""
-    joint.parent.add_joint(
+    joint = spec.joint(name)
+    loose = joint.parent.add_joint(
+        spec.default,  # and not that of the joint's body
         name=prefix + joint.name,
         type=mujoco.mjtJoint.mjJNT_HINGE,
         pos=joint.pos,
         axis=joint.axis,
         limited=True,
-        range=[-width / 2, width / 2],
         solref_limit=STOP,
         **own,
     )
+    far = degrees(width / 2) if loose.compiler.degree else width / 2
+    loose.range = [-far, far]
 
 
 def turned(

@@ -24,6 +24,7 @@ from sim.world.dead_bands import ensure_dead_bands
 from sim.world.floor import SOLVING, Floor, add_bumps, ensure_floor, scene
 from sim.world.imperfections import BACKLASH, add_imperfections
 from sim.world.motors import common_servo, ensure_motors
+from sim.world.parts import forget_defaults
 from sim.world.sensors import add_walls, ensure_sensors
 from sim.world.servos import ensure_servos, servo_settings
 
@@ -52,6 +53,7 @@ class World:
 def build(robot: Robot, scenario: Scenario) -> World:
     """Robot and world, self-contained."""
     spec, own = robot.read(), scene().option
+    forget_defaults(spec)
     for name in ("integrator", "cone", "impratio", "jacobian", *SOLVING):
         setattr(spec.option, name, getattr(own, name))
     spec.option.timestep = scenario.timestep

@@ -35,6 +35,15 @@ def other_drives(robot: Robot) -> list[str]:
     return [model.actuator(int(number)).name for number in found]
 
 
+def holds_body(robot: Robot) -> bool:
+    """Whether the body's own joint has damping, friction, springs or armature."""
+    model, root = robot.model, robot.model.body(robot.root)
+    dofs = slice(root.dofadr[0], root.dofadr[0] + 6)
+    parts = model.dof_damping, model.dof_frictionloss, model.dof_armature
+    stiff = model.jnt_stiffness[root.jntadr[0]]
+    return bool(np.any(stiff) or any(part[dofs].any() for part in parts))
+
+
 def couplings(robot: Robot) -> list[int]:
     """Equations that tie leg joints, to one another or to the body, or the robot down.
 

@@ -55,6 +55,11 @@ def contact_sensor(geom: str) -> str:
     return f"contact_{geom}"
 
 
+def floor_in(model: mujoco.MjModel, foot: str) -> int:
+    """The geom of a world that the contact sensor of a foot geom watches."""
+    return int(model.sensor_objid[model.sensor(contact_sensor(foot)).id])
+
+
 def _watch(
     spec: mujoco.MjSpec, name: str, one: Part, other: Part, data: Data = (_FOUND, 1)
 ) -> None:

@@ -114,14 +114,6 @@ def _kind(name: str, data: Mapping[str, float], scenario: Scenario) -> ServoKind
         raise UsageError.at(f"servo_data of {name!r}, {where}", error) from error
 
 
-INHERITED = (
-    "gear", "ctrllimited", "forcelimited", "actlimited", "ctrlrange", "forcerange",
-    "actrange", "lengthrange", "inheritrange", "dyntype", "dynprm", "gaintype",
-    "gainprm", "biastype", "biasprm", "cranklength", "armature", "damping",
-)  # fmt: skip
-"""What an actuator takes from the defaults of the file that it is added to."""
-
-
 def ensure_servos(spec: mujoco.MjSpec, robot: Robot, asked: ServoSettings) -> None:
     """Leave one position servo on every leg joint, tuned as the scenario asks."""
     others = set(other_drives(robot))
@@ -197,19 +189,10 @@ def _add_servo(spec: mujoco.MjSpec, robot: Robot, joint: str) -> mujoco.MjsActua
     servo = robot.card.servo
     if servo is None:
         raise ModelError(message("no_position_servo", joint=joint, path=robot.path))
-    actuator = plain_actuator(spec, joint, joint)
+    on = mujoco.mjtTrn.mjTRN_JOINT
+    actuator = spec.add_actuator(name=joint, target=joint, trntype=on)
     actuator.set_to_position(kp=servo.stiffness, kv=servo.damping)
     actuator.armature = servo.armature
-    return actuator
-
-
-def plain_actuator(spec: mujoco.MjSpec, name: str, joint: str) -> mujoco.MjsActuator:
-    """Another actuator on a joint, without the file's defaults for its own ones."""
-    on = mujoco.mjtTrn.mjTRN_JOINT
-    actuator = spec.add_actuator(name=name, target=joint, trntype=on)
-    plain = mujoco.MjSpec().add_actuator()
-    for setting in INHERITED:
-        setattr(actuator, setting, getattr(plain, setting))
     return actuator
 
 

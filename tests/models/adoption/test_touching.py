@@ -89,6 +89,13 @@ def test_parts_that_touch_where_the_robot_stands_may_touch_anywhere():
     assert trial(ball("near", x, y, 0.0)).first_touching(0.4) is None
 
 
+@pytest.mark.parametrize(("apart", "level"), [(-1e-4, None), (5e-4, 1), (2e-3, 1)])
+def test_parts_that_are_merely_near_where_it_stands_may_not_overlap(apart, level):
+    beside = ball("near", 0.2, 0.01 + 0.03 + apart, 0.0)
+    found = trial(beside).first_touching(0.4)
+    assert found == (level and (level, ("near", "shin0")))
+
+
 @pytest.mark.parametrize(("way", "level"), [(-1.0, 4), (1.0, 4)])
 def test_legs_of_two_groups_meet_while_both_are_down(way, level):
     """Their tips at 0.2 m turn towards one another, from 0.2 m apart."""

@@ -13,6 +13,7 @@ CAMERA = Sensing(position=2e-3, yaw=radians(1.0))
 MEANT = np.array([4e-3, 1e-3, 0.02])
 QUIET = Misses(scatter=np.zeros(3), wander=np.zeros(3))
 TOLD_BY_NONE = np.full(3, np.nan)
+WIDE = np.diag([0.02, 0.02, 0.05]) ** 2  # of a bias of which hardly anything is known
 
 
 def at_a_pose(**changes):
@@ -204,7 +205,7 @@ def test_the_bound_is_that_of_a_straight_line_through_readings_of_a_constant_mis
     sensing = Sensing(position=deviation, yaw=1e-7)
     seen = np.zeros((n, 4))
     seen[:, 3] = np.nan
-    found, _ = bound(sensing, np.zeros((n, 3)), seen, np.zeros(3), np.ones(n))
+    found, _ = bound(sensing, np.zeros((n, 3)), seen, np.zeros(3), np.ones(n), WIDE)
     alone = n * deviation / np.sqrt((np.arange(1, n) ** 2).sum())
     assert found == pytest.approx(np.sqrt(2) * alone, rel=1e-4)
 
@@ -212,7 +213,29 @@ def test_the_bound_is_that_of_a_straight_line_through_readings_of_a_constant_mis
 def test_a_bound_takes_no_reading_that_was_lost():
     seen = np.full((10, 4), np.nan)
     scatter, meant = np.full(3, 1e-4), np.tile(MEANT, (10, 1))
-    blind, _ = bound(CAMERA, meant, seen, scatter, np.ones(10))
+    blind, _ = bound(CAMERA, meant, seen, scatter, np.ones(10), WIDE)
     seen[4, :3] = 0.0
-    once, _ = bound(CAMERA, meant, seen, scatter, np.ones(10))
+    once, _ = bound(CAMERA, meant, seen, scatter, np.ones(10), WIDE)
     assert once < 0.5 * blind
+
+
+@pytest.mark.parametrize("segments", [1, 2, 12])
+@pytest.mark.parametrize("learnt", [False, True])
+def test_no_filter_claims_less_than_the_bound_whatever_it_knew_beforehand(
+    learnt, segments
+):
+    """It does not know A, and errs by as much where this makes no difference."""
+    spread = np.random.default_rng(1).normal(size=(12, 12)) * 1e-4
+    known = Learnt(np.zeros(3), np.zeros((3, 3)), spread @ spread.T) if learnt else None
+    feedback = Feedback(CAMERA, 0.2, Misses(wander=np.zeros(3)), known)
+    meant, seen = np.tile(MEANT, (segments, 1)), np.full((segments, 4), np.nan)
+    seen[:, :3] = 0.0
+    for motion in meant:
+        feedback.moved(motion)
+        claimed = np.hypot(*feedback.claimed[:2]), feedback.claimed[2]
+        feedback.seen(feedback.pose)
+    told = CAMERA, meant, seen, feedback.scatter, np.ones(segments)
+    least = bound(*told, feedback.foreknown)
+    assert (np.array(claimed) >= least).all()
+    if not learnt:
+        assert claimed == pytest.approx(least, rel=0.15)

@@ -26,6 +26,7 @@ MISSES = Misses(
     wander=np.array([0.021, 0.022, 0.023]),
 )
 RADIUS = 0.2
+WIDE = np.diag([0.02, 0.02, 0.05]) ** 2  # of a bias of which hardly anything is known
 
 
 def some(seed=1, **changes):
@@ -222,12 +223,12 @@ def test_the_bound_counts_readings_and_scatter_and_the_time_of_a_gyroscope():
     sensing = Sensing(position=np.inf, yaw=np.inf, gyro_noise=1e-3)
     scatter = np.array([1e-4, 1e-4, 0.5])
     still = np.zeros((6, 3))
-    _, yaw = bound(sensing, still, seen, scatter, np.full(6, 4.0))
+    _, yaw = bound(sensing, still, seen, scatter, np.full(6, 4.0), WIDE)
     # five readings of a random walk; the miss of one more segment is known no better
     grown = 1e-3 * np.sqrt(5 * 4.0)
     assert yaw > 0.5
     near = np.zeros(3)
-    _, known = bound(sensing, still, seen, near, np.full(6, 4.0))
+    _, known = bound(sensing, still, seen, near, np.full(6, 4.0), WIDE)
     assert known < 0.5 * 0.05
     assert known > 0.2 * grown
 

@@ -78,7 +78,8 @@ def test_the_filter_errs_by_hardly_more_than_any_estimator_must(sensing, seen):
         missed = seen_from(began, true) - meant
         scatter = (missed - missed.mean(axis=0)).std(axis=0)
         seconds = np.full(len(meant), SECONDS)
-        least.append(bound(sensing, meant, told, scatter, seconds)[0])
+        own = sensing, meant, told, scatter, seconds
+        least.append(bound(*own, Feedback(sensing, RADIUS).foreknown)[0])
     assert rms < 1.15 * np.sqrt(np.mean(np.square(least)))
 
 

@@ -11,7 +11,7 @@ from models.errors import ModelError
 from models.library import load
 from sim import cli, palette
 from sim.pictures.drawing import Mark, ribbon
-from sim.pictures.offscreen import LOOKS, build as build_scene, mesh_name
+from sim.pictures.offscreen import LOOKS, build as build_scene, floor_height, mesh_name
 from sim.preparation.inspection import inspected
 from sim.preparation.setup import prepare
 from sim.world.changes import changes
@@ -232,12 +232,17 @@ def test_soles_that_overlap_are_told(edited, scenario):
     )
 
 
-def test_marks_of_films_keep_their_colours(edited, tmp_path):
+def test_marks_of_films_keep_their_colours_and_lie_on_the_floor(
+    edited, tmp_path, scenario
+):
     grey = '><geom rgba="0.5 0.1 0.1 1" group="4"/>'
-    edited(DEFAULTS, DEFAULTS.replace(">", grey, 1))
-    file = tmp_path / "hexapod.xml"
-    model = mujoco.MjModel.from_xml_path(str(file))
-    walk = SimpleNamespace(model_file=file, model=model, reach=0.2)
+    card = edited(DEFAULTS, DEFAULTS.replace(">", grey, 1)).card
+    file, given = tmp_path / "hexapod.xml", scenario(bumps=0.004)
+    model = prepare(given, load(str(file))).model
+    walk = SimpleNamespace(
+        model_file=file, model=model, reach=0.2, card=card, scenario=given
+    )
+    assert floor_height(walk) == pytest.approx(0.0)  # where the bumps' tops are
     line = np.array([[0.0, 0.0], [0.1, 0.0]])
     mark = Mark("path", ribbon(line, np.zeros(2, int), 0.01), palette.ACHIEVED.colour)
     geom = build_scene(walk, [mark], LOOKS["draft"]).geom(mesh_name(mark.pieces[0][0]))

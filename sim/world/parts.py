@@ -1,0 +1,26 @@
+"""Settings of a specification's parts: copied, and free of the defaults of a file."""
+
+from typing import Any
+
+import mujoco
+
+ADDED = "actuator", "geom", "joint", "mesh"  # kinds of parts that a robot's file lacks
+OWN = {"classname", "info", "name"}  # what each part has of its own
+
+
+def copy_settings(part: Any, other: Any) -> None:
+    """Set a part as another of its kind, which is of the same specification or none."""
+    members = vars(type(part)).items()
+    settings = {name for name, member in members if getattr(member, "fset", None)}
+    for name in settings - OWN:
+        setattr(part, name, getattr(other, name))
+
+
+def forget_defaults(spec: mujoco.MjSpec) -> None:
+    """Make parts that are added hereafter as the engine has them.
+
+    Parts that are there keep what the file's defaults have given them.
+    """
+    plain = mujoco.MjSpec().default
+    for kind in ADDED:
+        copy_settings(getattr(spec.default, kind), getattr(plain, kind))

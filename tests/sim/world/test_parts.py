@@ -1,0 +1,127 @@
+"""What a walk adds to a robot's file is as asked, whatever the file says of its own."""
+
+from math import degrees
+
+import numpy as np
+import pytest
+
+from models.description import compile_model
+from models.library import load
+from sim.preparation.setup import prepare
+from sim.scenarios.obstacles import decode
+from sim.world.changes import changes
+from sim.world.imperfections import add_imperfections
+
+DEFAULTS = '<default class="robot">'
+OWN = """
+  <joint damping="0.5" stiffness="2" springref="0.2" frictionloss="0.3" margin="0.01"
+    armature="0.01" actuatorfrcrange="-1 1" solreffriction="0.1 1"/>
+  <geom margin="0.0002" gap="0.0001" solref="0.1 1" condim="1" friction="0.3"
+    priority="3"/>
+  <mesh scale="0.001 0.001 0.001"/>
+  <general delay="0.01" nsample="20" forcerange="-9 9"/>
+"""
+RANGES = (-0.45, 0.45), (-0.1, 0.6)  # of the hexapod's swings and lifts [rad]
+ADDED = {
+    "payload": (0.5, 0.0, 0.0, 0.02),
+    "backlash": 0.02,
+    "dead_band": 0.01,
+    "obstacles": decode(
+        [
+            {"kind": "box", "center": [0.7, 0.3], "size": [0.1, 0.2]},
+            {"kind": "polygon", "points": [[0.6, -0.2], [0.7, -0.2], [0.65, 0.2]]},
+        ]
+    ),
+}
+
+
+def added_parts(model):
+    """All numbers of what a walk adds, by the name of the part."""
+    joints = [model.joint(f"backlash_swing_{leg}") for leg in (1, 6)]
+    geoms = [model.geom(f"obstacle_{i}_1") for i in (1, 2)]
+    springs = [model.actuator("band_lift_2")]
+    skipped = {"id", "bodyid", "weldid", "dofadr", "qposadr", "dataid", "trnid"}
+    return {
+        (part.name, name): np.asarray(getattr(part, name)).tolist()
+        for part in (*joints, *geoms, *springs)
+        for name in dir(part)
+        if not name.startswith("_") and name not in skipped
+    }
+
+
+def test_what_is_added_takes_nothing_from_a_file_s_defaults(edited, hexapod, scenario):
+    usual = added_parts(prepare(scenario(**ADDED), hexapod).model)
+    own = prepare(scenario(**ADDED), edited(DEFAULTS, OWN + DEFAULTS)).model
+    assert own.joint("swing_1").frictionloss == 0.3  # the file's own parts keep theirs
+    assert added_parts(own) == usual
+    assert usual["obstacle_2_1", "rbound"][0] > 0.2
+
+
+def test_backlash_is_in_radians_in_a_file_of_degrees(edited, scenario):
+    radians = [f'range="{low} {high}" limited' for low, high in RANGES]
+    turned = (f'range="{degrees(a)} {degrees(b)}" limited' for a, b in RANGES)
+    edits = [text for pair in zip(radians, turned, strict=True) for text in pair]
+    robot = edited('<compiler angle="radian"/>', "<compiler/>", *edits)
+    model = prepare(scenario(backlash=0.02), robot).model
+    assert model.joint("swing_1").range == pytest.approx(RANGES[0], rel=1e-5)  # printed
+    assert model.joint("backlash_swing_1").range == pytest.approx([-0.01, 0.01])
+
+
+@pytest.mark.parametrize("mass_of", ["bodies", "geoms", "a group", "the whole"])
+def test_a_payload_weighs_what_is_asked_whatever_a_file_counts_as_mass(
+    mass_of, scenario
+):
+    robot = load("hexapod")
+    spec = robot.read()
+    weighed = spec.compile().body_mass.sum()
+    if mass_of == "bodies":
+        for body in spec.bodies[1:]:
+            body.inertia, body.ipos, body.explicitinertial = [0.01] * 3, [0, 0, 0], True
+            body.mass = weighed / len(spec.bodies[1:])
+        spec.compiler.inertiafromgeom = 0  # false
+    elif mass_of == "geoms":
+        spec.compiler.inertiafromgeom = 1  # true
+    elif mass_of == "a group":
+        spec.compiler.inertiagrouprange = [3, 4]
+        for geom in spec.geoms:
+            geom.group = 3
+    else:
+        spec.compiler.settotalmass = weighed = 3.5
+    given = scenario(payload=(0.5, 0, 0, 0))
+    add_imperfections(spec, robot, "floor", given)
+    model = compile_model(spec, "hexapod.xml")
+    assert model.body("payload").mass == pytest.approx(0.5, rel=1e-12)
+    assert model.body_mass.sum() == pytest.approx(weighed + 0.5, rel=1e-12)
+    sphere = 0.4 * 0.5 * 0.005**2  # of the radius by which it is seen
+    assert model.body("payload").inertia == pytest.approx(sphere, rel=1e-12)
+
+
+@pytest.mark.parametrize("way", ["body", "frame", "turned"])
+def test_a_floor_in_a_body_or_a_frame_is_the_floor_of_the_world(way, edited, scenario):
+    plane = '<geom name="floor" type="plane" size="0 0 0.05" priority="1"'
+    place = 'pos="1 2 -0.05" euler="0 0 1"'
+    ground = {
+        "body": f'<body name="ground" {place}>{plane}/></body>',
+        "frame": f"<frame {place}>{plane}/></frame>",
+        "turned": f"{plane} {place}/>",
+    }[way]
+    pair = '<pair geom1="floor" geom2="foot_1" friction="0.05 0.05 0.1 0.1 0.1"/>'
+    shipped = '<geom name="floor" type="plane" size="0 0 0.05" material="grid" '
+    shipped += 'priority="1" solref="-100000 -100" solimp="0.1 0.1 0.001"/>'
+    contact = f"<contact>{pair}</contact><actuator>"
+    robot = edited(shipped, ground, "<actuator>", contact)
+    setup = prepare(scenario(bumps=0.003), robot)
+    model, floor = setup.model, setup.model.geom("floor")
+    assert (int(floor.bodyid[0]), model.npair) == (0, 0)
+    assert floor.pos == pytest.approx([0.005, 0.005, -0.053])  # the path's middle
+    assert floor.quat.tolist() == [1, 0, 0, 0]
+    assert any("'floor', 'foot_1'" in line for line in changes(robot, scenario()))
+
+
+@pytest.mark.parametrize("own", ["damping", "frictionloss", "stiffness", "armature"])
+def test_what_a_default_gives_to_the_body_s_own_joint_is_told(own, edited, scenario):
+    free = '<joint type="free" name="root"/>'
+    default = f'<joint {own}="0.01"/>{DEFAULTS}'
+    robot = edited('<freejoint name="root"/>', free, DEFAULTS, default)
+    (line,) = [line for line in changes(robot, scenario()) if "'torso'" in line]
+    assert line.startswith("the joint of the body 'torso' has damping, friction, spr")
