@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+UNSHIPPED = "SCENARIO.toml"  # stands for a scenario that is not shipped
 SMALLEST_SHARE = 1e-6  # share of the path; what is smaller is drawn there
 MOST_MAPS = 12  # maps
 CELL = 0.92  # of the way from one place to the next
@@ -129,8 +130,10 @@ def _points(results: Results, points: Sequence[int], folder: Path, base: str) ->
         cells = (toml_value(value) for value in settings.values())
         off, word = 100 * results.off[i], results.columns["verdict"][i]
         rows.append((str(number), f"{off:.3g} %", str(word), *cells, link))
-    heads = "point", "farthest off", "verdict", *results.keys, "report or command"
-    return Table(heads, rows)
+    last = "report or command"
+    if scenario == UNSHIPPED:
+        last += f", where {UNSHIPPED} is to have the table scenario of sweep.json"
+    return Table(("point", "farthest off", "verdict", *results.keys, last), rows)
 
 
 def _given(value: object) -> object:
@@ -145,7 +148,7 @@ def _walked(results: Results) -> str:
     known, table = shipped_scenarios(), results.asked.get("scenario", {})
     name = str(table.get("name"))
     same = name in known and scenario_table(name)[0] == table
-    return name if same else "SCENARIO.toml"
+    return name if same else UNSHIPPED
 
 
 def _draw_map(axes: Axes, results: Results, across: str, up: str) -> None:

@@ -50,7 +50,9 @@ def test_points_have_the_command_that_walks_them_or_their_report(tmp_path):
     own = scenario_table("line")[0] | {"swing_speed": 0.25}
     asked = {"set": {"friction": 0.5}, "scenario": own}
     some = replace(results([0.0123456, 0.2]), asked=asked)
-    rows = _points(some, [1, 0], tmp_path, "there").rows
+    shown = _points(some, [1, 0], tmp_path, "there")
+    assert "is to have the table scenario of sweep.json" in shown.heads[-1]
+    rows = shown.rows
     number, off, word, value, command = rows[1]
     assert (number, off, word, value) == ("0", "1.23 %", "arrived", "0.0")
     assert "stratawalk run SCENARIO.toml" in str(command)  # not the shipped line
