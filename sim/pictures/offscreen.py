@@ -215,6 +215,7 @@ def build(walk: Run, marks: Sequence[Mark], look: Look) -> mujoco.MjModel:
     """The model of a walk with its marks on the floor, one mesh each."""
     spec = mujoco.MjSpec.from_file(str(walk.model_file))
     forget_defaults(spec)  # marks are meshes, and have no scale of a file's
+    spec.visual, spec.stat = mujoco.MjSpec().visual, mujoco.MjSpec().stat
     _light(spec, look)
     _lay_floor(spec)
     floor = floor_height(walk)
@@ -224,7 +225,6 @@ def build(walk: Run, marks: Sequence[Mark], look: Look) -> mujoco.MjModel:
     visual.global_.offwidth, visual.global_.offheight = WIDTH, HEIGHT
     visual.global_.fovy = FIELD_OF_VIEW
     visual.quality.offsamples, visual.quality.shadowsize = look.samples, SHADOW_MAP
-    visual.quality.numquads = 4  # MuJoCo's own; 20,000 take minutes
     visual.quality.numslices, visual.quality.numstacks = look.slices, look.slices // 2
     visual.map.znear = NEAREST
     spec.stat.extent = EXTENT * walk.reach

@@ -236,16 +236,19 @@ def test_marks_of_films_keep_their_colours_and_lie_on_the_floor(
     edited, tmp_path, scenario
 ):
     grey = '><geom rgba="0.5 0.1 0.1 1" group="4"/>'
-    card = edited(DEFAULTS, DEFAULTS.replace(">", grey, 1)).card
+    dark = '<headlight active="0" ambient'
+    robot = edited(DEFAULTS, DEFAULTS.replace(">", grey, 1), "<headlight ambient", dark)
     file, given = tmp_path / "hexapod.xml", scenario(bumps=0.004)
     model = prepare(given, load(str(file))).model
     walk = SimpleNamespace(
-        model_file=file, model=model, reach=0.2, card=card, scenario=given
+        model_file=file, model=model, reach=0.2, card=robot.card, scenario=given
     )
     assert floor_height(walk) == pytest.approx(0.0)  # where the bumps' tops are
     line = np.array([[0.0, 0.0], [0.1, 0.0]])
     mark = Mark("path", ribbon(line, np.zeros(2, int), 0.01), palette.ACHIEVED.colour)
-    geom = build_scene(walk, [mark], LOOKS["draft"]).geom(mesh_name(mark.pieces[0][0]))
+    shown = build_scene(walk, [mark], LOOKS["draft"])
+    assert (model.vis.headlight.active, bool(shown.vis.headlight.active)) == (0, True)
+    geom = shown.geom(mesh_name(mark.pieces[0][0]))
     assert geom.rgba == pytest.approx(palette.ACHIEVED.colour.rgba(1.0))
     assert geom.group == 0
 
