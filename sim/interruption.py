@@ -129,6 +129,7 @@ def _raise(number: int, frame: FrameType | None) -> NoReturn:
 
 
 def _say_that_work_goes_on() -> None:
+    _noticed[0] = time.monotonic()
     line = "Ctrl-C ended the search, whose best plan is taken; press it again to end"
     print(f"stratawalk: warning: {line}", file=sys.stderr)
 
@@ -144,10 +145,10 @@ def _wait(reader: int) -> None:
 
 def _unnoticed(lost: sys.UnraisableHookArgs) -> None:
     """An exception that Python drops, in a destructor for one, has ended nothing."""
-    if issubclass(lost.exc_type, KeyboardInterrupt):
-        _noticed[0] = -inf
-    else:
+    if not issubclass(lost.exc_type, KeyboardInterrupt):
         sys.__unraisablehook__(lost)
+    elif support.unanswered_interruption() is not None:
+        _noticed[0] = -inf
 
 
 def _end_now(number: int, when: str) -> NoReturn:

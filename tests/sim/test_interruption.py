@@ -200,6 +200,26 @@ def test_a_signal_whose_exception_python_drops_ends_the_command_without_a_traceb
     assert line.startswith("stratawalk: error: terminated: SIGTERM during a long step")
 
 
+ANSWERED = """    stopping.answer(stopping.unanswered_interruption())
+    time.sleep(2)
+    again = os.environ.get("AGAIN") and os.kill(os.getpid(), signal.SIGTERM)
+"""
+
+
+@pytest.mark.parametrize("again", ["", "1"])
+def test_a_search_may_answer_a_signal_whose_exception_python_has_dropped(again):
+    """The thread beside takes it for noticed, and a later one for a first one."""
+    program = DROPPED.replace("import os,", "from planner.support import stopping\nimport os,")
+    words = [sys.executable, "-c", program.replace("    time.sleep(10)\n", ANSWERED)]
+    own = {**os.environ, "AGAIN": again}
+    done = subprocess.run(words, capture_output=True, text=True, timeout=9, env=own)
+    first, *last = done.stderr.splitlines()
+    assert "Ctrl-C ended the search, whose best plan is taken" in first
+    assert (done.returncode, last[-1:]) == (
+        (1, ["sim.interruption.Terminated"]) if again else (0, [])
+    )
+
+
 def test_processes_that_are_started_leave_signals_to_this_one():
     program = "import signal; print(len(signal.pthread_sigmask(signal.SIG_BLOCK, ())))"
     with interruption.deaf():
