@@ -209,7 +209,9 @@ ANSWERED = """    stopping.answer(stopping.unanswered_interruption())
 @pytest.mark.parametrize("again", ["", "1"])
 def test_a_search_may_answer_a_signal_whose_exception_python_has_dropped(again):
     """The thread beside takes it for noticed, and a later one for a first one."""
-    program = DROPPED.replace("import os,", "from planner.support import stopping\nimport os,")
+    program = DROPPED.replace(
+        "import os,", "from planner.support import stopping\nimport os,"
+    )
     words = [sys.executable, "-c", program.replace("    time.sleep(10)\n", ANSWERED)]
     own = {**os.environ, "AGAIN": again}
     done = subprocess.run(words, capture_output=True, text=True, timeout=9, env=own)

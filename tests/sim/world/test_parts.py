@@ -57,14 +57,49 @@ def test_what_is_added_takes_nothing_from_a_file_s_defaults(edited, hexapod, sce
     assert usual["obstacle_2_1", "rbound"][0] > 0.2
 
 
-def test_backlash_is_in_radians_in_a_file_of_degrees(edited, scenario):
+def in_degrees():
     radians = [f'range="{low} {high}" limited' for low, high in RANGES]
-    turned = (f'range="{degrees(a)} {degrees(b)}" limited' for a, b in RANGES)
+    turned = (f'range="{degrees(a)!r} {degrees(b)!r}" limited' for a, b in RANGES)
     edits = [text for pair in zip(radians, turned, strict=True) for text in pair]
-    robot = edited('<compiler angle="radian"/>', "<compiler/>", *edits)
-    model = prepare(scenario(backlash=0.02), robot).model
-    assert model.joint("swing_1").range == pytest.approx(RANGES[0], rel=1e-5)  # printed
-    assert model.joint("backlash_swing_1").range == pytest.approx([-0.01, 0.01])
+    return ['<compiler angle="radian"/>', "<compiler/>", *edits]
+
+
+FREE, END = '<freejoint name="root"/>', "</body>\n  </worldbody>"
+PLANE = '<geom name="floor" type="plane"'
+OTHER_WORDS = {
+    "degrees": in_degrees(),
+    "a frame": [FREE, f'{FREE}<frame euler="0 0 0">', END, f"</frame>{END}"],
+    "a plane with a place": [PLANE, f'{PLANE} pos="1 2 0" euler="0 0 1"'],
+    "defaults of meshes": [DEFAULTS, f'<mesh scale="0.001 1 1"/>{DEFAULTS}'],
+    "the floor of a body": [
+        PLANE,
+        f'<body name="ground" pos="1 2 0">{PLANE}',
+        'solimp="0.1 0.1 0.001"/>',
+        'solimp="0.1 0.1 0.001"/></body>',
+    ],
+}
+
+
+@pytest.mark.parametrize("words", OTHER_WORDS)
+def test_a_robot_written_in_other_words_is_the_same_in_its_world(
+    words, edited, hexapod, scenario
+):
+    given = scenario(bumps=0.003, **ADDED)
+    usual = prepare(given, hexapod).model
+    model = prepare(given, edited(*OTHER_WORDS[words])).model
+    empty = int(words == "the floor of a body")  # body, which is left there
+    assert model.nbody == usual.nbody + empty
+    names = [n for n in dir(usual) if n.startswith(("geom_", "jnt_", "dof_", "actuat"))]
+    for name in names:
+        was, now = getattr(usual, name), getattr(model, name)
+        if (
+            isinstance(was, np.ndarray)
+            and "bodyid" not in name
+            and "plugin" not in name
+        ):
+            assert np.array_equal(was, now), name
+    assert np.array_equal(model.body_mass[empty:], usual.body_mass)
+    assert np.array_equal(model.key_qpos, usual.key_qpos)
 
 
 @pytest.mark.parametrize("mass_of", ["bodies", "geoms", "a group", "the whole"])
