@@ -87,14 +87,7 @@ def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | No
     read = cli.reader_of(options, robot, scenario)
     logs = [log_of(runs[path]) if path in runs else read(path) for path in paths]
     held = options.walking is False
-    for path, log in zip(paths, logs, strict=True):
-        if log.measured is None and log.pose is None:
-            raise UsageError.of("unmeasured", path)
-        if log.measured is None and (held or log is not logs[0]):
-            raise UsageError.of("poses_alone", path)
-        fitting.check_measured(path, log)
-        if {*log.joints} != {*logs[0].joints}:
-            raise UsageError.of("other_joints", path, first=paths[0])
+    _check_logs(paths, logs, held)
     logs = [ordered(log, logs[0].joints) for log in logs]
     if run is not None:
         return prepare(scenario, robot), logs, None if held else walked_of_run(run)
@@ -105,6 +98,18 @@ def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | No
     except ValueError as error:
         raise UsageError.at(str(paths[0]), error) from error
     return setup, logs, walked
+
+
+def _check_logs(paths: Sequence[Path], logs: Sequence[Log], held: bool) -> None:
+    """Refuse logs that tell nothing of servos or walks, or of other joints."""
+    for path, log in zip(paths, logs, strict=True):
+        if log.measured is None and log.pose is None:
+            raise UsageError.of("unmeasured", path)
+        if log.measured is None and (held or log is not logs[0]):
+            raise UsageError.of("poses_alone", path)
+        fitting.check_measured(path, log)
+        if {*log.joints} != {*logs[0].joints}:
+            raise UsageError.of("other_joints", path, first=paths[0])
 
 
 def _of_servos(fit: fitting.JointFit) -> dict[str, object]:

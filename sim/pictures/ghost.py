@@ -31,7 +31,7 @@ class Ghost:
         seen = model.body_rootid[model.geom_bodyid] == root
         seen &= (model.geom_rgba[:, 3] > 0) & (meshes | (model.geom_type != MESH))
         self._body = np.flatnonzero(seen).tolist()
-        self._torso = np.flatnonzero(model.geom_bodyid == root)
+        self._torso = fixed_to(model, root)
 
     def at(
         self, row: int, geoms: Iterable[mujoco.MjvGeom] | None = None
@@ -74,17 +74,30 @@ def farthest_ghost(walk: Run) -> float:
     return float((np.hypot(*off[:, :2].T) + walk.reach * np.abs(wrap(off[:, 2]))).max())
 
 
+def fixed_to(model: mujoco.MjModel, root: int) -> Array:
+    """Geoms of a body that has joints, and of all that is fixed to it."""
+    return np.flatnonzero(model.body_weldid[model.geom_bodyid] == root)
+
+
 def body_corners(model: mujoco.MjModel, root: int) -> Array:
-    """Corners of boxes around what is seen of a body, in its frame, shape (n, 3)."""
+    """Corners of boxes around what is seen of a body, in its frame, shape (n, 3).
+
+    They are where its legs begin, if nothing is seen of it.
+    """
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
     sides = np.stack(np.meshgrid(*[(-1, 1)] * 3), axis=-1).reshape(-1, 3)
-    corners, turn = [], np.zeros(9)
-    seen = (model.geom_bodyid == root) & (model.geom_rgba[:, 3] > 0)
-    for geom in np.flatnonzero(seen):
+    own = fixed_to(model, root)
+    corners = []
+    for geom in own[model.geom_rgba[own, 3] > 0]:
         middle, half = np.split(model.geom_aabb[geom], 2)
-        mujoco.mju_quat2Mat(turn, model.geom_quat[geom])
-        box = (middle + half * sides) @ turn.reshape(3, 3).T
-        corners.append(model.geom_pos[geom] + box)
-    return np.concatenate(corners)
+        box = (middle + half * sides) @ data.geom_xmat[geom].reshape(3, 3).T
+        corners.append(data.geom_xpos[geom] + box)
+    if not corners:
+        above = model.body_parentid[model.jnt_bodyid]
+        corners = [data.xanchor[model.body_weldid[above] == root]]
+    turn = data.xmat[root].reshape(3, 3)
+    return (np.concatenate(corners) - data.xpos[root]) @ turn
 
 
 def decor(

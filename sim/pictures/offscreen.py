@@ -20,7 +20,7 @@ from sim.motion.poses import spaced_rows
 from sim.palette import Colour
 from sim.pictures.camera import FIELD_OF_VIEW, FILM, HEIGHT, WIDTH, Camera
 from sim.pictures.drawing import Drawing, Mark
-from sim.pictures.ghost import Ghost, body_corners, ghost_of
+from sim.pictures.ghost import Ghost, body_corners, fixed_to, ghost_of
 from sim.pictures.legend import NOSE, text
 from sim.runs.run import Run
 from sim.world.parts import forget_defaults
@@ -230,7 +230,7 @@ def build(walk: Run, marks: Sequence[Mark], look: Look) -> mujoco.MjModel:
     spec.stat.extent = EXTENT * walk.reach
     model = spec.compile()
     plate = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_GEOM, NOSE)
-    torso = np.flatnonzero(model.geom_bodyid == root_body(model, walk.model_file))
+    torso = fixed_to(model, root_body(model, walk.model_file))
     for geom in torso[torso != plate]:
         if (material := model.geom_matid[geom]) >= 0:
             model.geom_rgba[geom] = model.mat_rgba[material]

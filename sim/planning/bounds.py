@@ -6,7 +6,7 @@ motion is foreseen by the prediction that the scenario steers on.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -53,25 +53,25 @@ def within_bounds(setup: Setup) -> tuple[Setup, Plan | None]:
         bounds.append(ClearanceBound(surroundings(setup), scenario.min_clearance))
     if not bounds:
         return setup, None
-    planned: Plan | None = None
-    known: Steps = {}
+    trials = _Trials(setup, bounds)
+    cuts = subdivide(grid(scenario.path.curve, scenario.segments), trials.slacks)
+    return setup.recut(cuts), trials.plan
 
-    def slacks(cuts: Array) -> list[Slack]:
-        nonlocal planned
-        tried = setup.recut(cuts)
+
+@dataclass
+class _Trials:
+    """Divisions of a path that are tried, and the plan along the last of them."""
+
+    setup: Setup
+    bounds: Sequence["MarginBound | ClearanceBound"]
+    plan: Plan | None = None
+    known: Steps = field(default_factory=dict)
+
+    def slacks(self, cuts: Array) -> list[Slack]:
+        """Slack of every bound in each segment, or of what keeps it from a plan."""
+        tried = self.setup.recut(cuts)
         try:
-            if scenario.replan:
-                stages = list(foresee(tried, known=known))
-                if scenario.steered_on == "ideal":
-                    planned = open_loop.joined_plans(
-                        tried, [s.plan for s in stages if s.plan]
-                    )
-                return foreseen(tried, stages)
-            for planned in open_loop.open_loop_plans(tried):
-                found = foreseen(tried, list(foresee(tried, planned)))
-                if any(slack.walking.min() < 0 for slack in found):
-                    break
-            return found
+            return self._foreseen(tried)
         except RangeError as error:
             if error.segments is None:
                 raise
@@ -83,15 +83,26 @@ def within_bounds(setup: Setup) -> tuple[Setup, Plan | None]:
             unresolved[list(error.segments)] = 1.0
             return [_left_out("resolution", unresolved)]
 
-    def foreseen(tried: Setup, stages: list[ForeseenStretch]) -> list[Slack]:
+    def _foreseen(self, tried: Setup) -> list[Slack]:
+        if tried.scenario.replan:
+            stages = list(foresee(tried, known=self.known))
+            if tried.scenario.steered_on == "ideal":
+                plans = [stage.plan for stage in stages if stage.plan]
+                self.plan = open_loop.joined_plans(tried, plans)
+            return self._along(tried, stages)
+        for planned in open_loop.open_loop_plans(tried):
+            self.plan = planned
+            found = self._along(tried, list(foresee(tried, planned)))
+            if any(slack.walking.min() < 0 for slack in found):
+                break
+        return found
+
+    def _along(self, tried: Setup, stages: list["ForeseenStretch"]) -> list[Slack]:
         beyond = np.array([1 / stage.fraction - 1 for stage in stages])
         if beyond.any():
             return [_left_out("joint range", beyond)]
         moving = [stage for stage in stages if stage.predictor.schedule.phases]
-        return [bound.slack(tried, moving) for bound in bounds]
-
-    cuts = grid(scenario.path.curve, scenario.segments)
-    return setup.recut(subdivide(cuts, slacks)), planned
+        return [bound.slack(tried, moving) for bound in self.bounds]
 
 
 def _reach(setup: Setup) -> Slack:
@@ -162,10 +173,8 @@ def foresee(
     segments, known = setup.scenario.segments, {} if known is None else known
     for segment in range(segments):
         tick()
-        target, final = (
-            open_loop.segment_target(setup, segment),
-            segment + 1 == segments,
-        )
+        target = open_loop.segment_target(setup, segment)
+        final = segment + 1 == segments
         asked = pose.tobytes(), swing, target.tobytes(), final
         step = known.get(asked) or open_loop.plan_segment(setup, segment, pose, swing)
         known[asked] = step

@@ -120,7 +120,9 @@ class _Robot:
                 corners,
                 faces,
                 color=tuple(int(255 * c) for c in colour),
-                opacity=TORSO if body == self._root else float(opacity),
+                opacity=TORSO
+                if model.body_weldid[body] == self._root
+                else float(opacity),
                 wxyz=model.geom_quat[geom],
                 position=model.geom_pos[geom],
             )

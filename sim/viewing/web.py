@@ -21,6 +21,7 @@ from models.description import root_body
 from sim.errors import UsageError
 from sim.folder import blamed_on
 from sim.pictures.clock import Playback
+from sim.pictures.ghost import fixed_to
 from sim.runs.run import Run, read_run
 from sim.viewing.access import Access, OwnSocket
 from sim.viewing.marks import Marks
@@ -71,7 +72,8 @@ def looked_through(walk: Run) -> mujoco.MjModel:
     """
     model = copy(walk.model)
     walk.require_width(walk.ctrl, model.nu)
-    model.geom_rgba[model.geom_bodyid == root_body(model, walk.model_file), 3] *= TORSO
+    torso = fixed_to(model, root_body(model, walk.model_file))
+    model.geom_rgba[torso, 3] *= TORSO
     for part, number in FACES.items():
         setattr(model.vis.quality, part, number)
     scale = model.vis.scale

@@ -89,7 +89,7 @@ def ensure_floor(spec: mujoco.MjSpec, robot: Robot) -> Floor:
     plane = max(floors, key=lambda p: p.place[2])
     floor, own = _in_world(spec, plane), scene().geom("floor")
     floor.name = floor.name or "floor"
-    floor.solref, floor.solimp = own.solref, own.solimp
+    floor.solref, floor.solimp, floor.condim = own.solref, own.solimp, own.condim
     floor.priority = 1 + max(0, *(foot.priority for foot in feet))
     return Floor(str(floor.name), float(plane.place[2]))
 
