@@ -28,7 +28,7 @@ from sim.preparation.setup import Setup
 from sim.progress import Progress, silent, stage
 from sim.runs.arrays import Arrays
 from sim.runs.run import START, Run
-from sim.runs.seals import MODEL, seal, seals
+from sim.runs.seals import seals
 from sim.scenarios.file import dumps
 from sim.scenarios.predictions import PREDICTIONS
 from sim.scenarios.scenario import Scenario
@@ -47,7 +47,7 @@ class Writer:
 
     def __init__(self, folder: RunFolder) -> None:
         self.folder = folder
-        self.settings = ""
+        self.settings, self.copies = "", list[str]()  # of the robot's files
 
     def prepared(self, prepared: Prepared) -> None:
         """Everything that the run depends on; the folder can be run again anywhere."""
@@ -63,6 +63,7 @@ class Writer:
             scenario = replace(scenario, motion=MOTION)
         for name, content in (setup.world.files | card | copies).items():
             self.folder.write_bytes(name, content)
+        self.copies = [*setup.world.files, *copies]
         self.settings = dumps(setup.resolved(scenario, robot))
         self.folder.write_text("scenario.toml", self.settings)
 
@@ -89,9 +90,8 @@ class Writer:
             self.folder.write_text("feedback.csv", feedback_table(followed.stops))
             if learnt := followed.learnt:
                 self.folder.write_text("learnt.toml", str(learnt))
-        sealed = seals(run.folder, run.settings, run.summary.to_json())
-        sealed[MODEL] = seal(run.folder / MODEL)
-        run = replace(run, summary=replace(run.summary, seals=sealed))
+        own = seals(run.folder, run.settings, run.summary.to_json(), self.copies)
+        run = replace(run, summary=replace(run.summary, seals=own))
         self.folder.write_json("summary.json", run.summary.to_json())
         return run
 
@@ -271,7 +271,7 @@ def trajectory(evaluation: Evaluation) -> Arrays:
     walk, achieved = evaluation.walk, evaluation.achieved
     recording, predicted = walk.recording, evaluation.predicted
     moments, planned = recording.moments, next(iter(predicted.values()))
-    starts = np.array([phase.start for phase in walk.phases])
+    starts = [phase.start for phase in walk.phases]
     arrays = {
         "time": moments.step * recording.timestep,
         "qpos": moments.qpos,

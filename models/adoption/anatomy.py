@@ -14,7 +14,7 @@ from models.checks import STEEP, UNEVEN_FEET
 from models.contact.kinematics import Kinematics, find_sole
 from models.description.actuators import position_servos_of, span_of
 from models.description.card import Servo
-from models.description.compiled import joints_above, levelled
+from models.description.compiled import fixed_to, joints_above, levelled
 from models.description.robot import Robot
 from models.errors import ModelError
 from planner import Array
@@ -89,7 +89,7 @@ class Pose:
         """Geoms that can touch something, and all those of the body."""
         model = self.model
         touches = (model.geom_contype | model.geom_conaffinity) != 0
-        touches |= model.geom_bodyid == self.root
+        touches[fixed_to(model, self.root)] = True
         own = model.body_rootid[model.geom_bodyid] == self.root
         solid = own & touches & np.isin(model.geom_type, SOLID)
         return [int(geom) for geom in np.flatnonzero(solid)]
@@ -164,9 +164,8 @@ def standing_angles(pose: Pose, limbs: Sequence[Limb], source: str) -> dict[str,
 
     The pose is moved; without such angles the robot is refused.
     """
-    bodies = pose.model.geom_bodyid
-    own = (pose.bottom(g)[2] for g in pose.solid() if bodies[g] == pose.root)
-    belly = min(own, default=0.0)
+    trunk = {*fixed_to(pose.model, pose.root)} & {*pose.solid()}
+    belly = min((pose.bottom(geom)[2] for geom in trunk), default=0.0)
     tables = [_table(pose, limb) for limb in limbs]
     lows = [float(table[:, 2].min()) for table in tables]
     lowest = max(lows)

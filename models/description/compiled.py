@@ -239,6 +239,11 @@ def root_body(model: mujoco.MjModel, path: Path) -> int:
     return int(model.jnt_bodyid[free[0]])
 
 
+def fixed_to(model: mujoco.MjModel, root: int) -> Array:
+    """Geoms of a body that has joints, and of all that is fixed to it."""
+    return np.flatnonzero(model.body_weldid[model.geom_bodyid] == root)
+
+
 def levelled(model: mujoco.MjModel, root: int, qpos: Array) -> Array:
     """A configuration with its root level and at x = y = yaw = 0, shape (nq,)."""
     level, address = qpos.copy(), int(model.jnt_qposadr[model.body(root).jntadr[0]])

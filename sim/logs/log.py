@@ -199,8 +199,7 @@ def _log(
     legs: Sequence[int],
     angles: Readers | str,
 ) -> Log:
-    time = columns.pop(TIME)
-    _check_time(time)
+    _check_time(time := columns.pop(TIME))
     contacts = {leg: f"{CONTACT}{leg}" for leg in legs}
     known = (*joints, *(MEASURED + j for j in joints), *chain(*BODY.values()))
     require_joints([*columns], [*known, *contacts.values()])

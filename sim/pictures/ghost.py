@@ -5,7 +5,7 @@ from collections.abc import Iterable
 import mujoco
 import numpy as np
 
-from models.description import root_body
+from models.description import fixed_to, root_body
 from planner import Array
 from sim import palette
 from sim.motion.poses import rotate, wrap
@@ -72,11 +72,6 @@ def farthest_ghost(walk: Run) -> float:
     """How far its feet come from those of the robot, at most [m]."""
     off = walk.achieved - walk.predicted[ghost_of(walk)]
     return float((np.hypot(*off[:, :2].T) + walk.reach * np.abs(wrap(off[:, 2]))).max())
-
-
-def fixed_to(model: mujoco.MjModel, root: int) -> Array:
-    """Geoms of a body that has joints, and of all that is fixed to it."""
-    return np.flatnonzero(model.body_weldid[model.geom_bodyid] == root)
 
 
 def body_corners(model: mujoco.MjModel, root: int) -> Array:

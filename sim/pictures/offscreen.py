@@ -13,14 +13,14 @@ import numpy as np
 import shapely
 from PIL import Image, ImageDraw
 
-from models.description import root_body
+from models.description import fixed_to, root_body
 from planner import Array
 from sim import palette
 from sim.motion.poses import spaced_rows
 from sim.palette import Colour
 from sim.pictures.camera import FIELD_OF_VIEW, FILM, HEIGHT, WIDTH, Camera
 from sim.pictures.drawing import Drawing, Mark
-from sim.pictures.ghost import Ghost, body_corners, fixed_to, ghost_of
+from sim.pictures.ghost import Ghost, body_corners, ghost_of
 from sim.pictures.legend import NOSE, text
 from sim.runs.run import Run
 from sim.world.parts import forget_defaults

@@ -6,7 +6,7 @@ motion is foreseen by the prediction that the scenario steers on.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -46,7 +46,7 @@ def within_bounds(setup: Setup) -> tuple[Setup, Plan | None]:
     that are not those of the prediction. Without bounds the scenario is left as it is.
     The error of bounds that cannot be kept says where, and what could be.
     """
-    scenario, bounds = setup.scenario, list[MarginBound | ClearanceBound]()
+    scenario, bounds = setup.scenario, list[Bound]()
     if scenario.min_margin is not None:
         bounds.append(MarginBound(scenario.min_margin))
     if scenario.obstacles and scenario.min_clearance >= 0:
@@ -58,14 +58,13 @@ def within_bounds(setup: Setup) -> tuple[Setup, Plan | None]:
     return setup.recut(cuts), trials.plan
 
 
-@dataclass
 class _Trials:
     """Divisions of a path that are tried, and the plan along the last of them."""
 
-    setup: Setup
-    bounds: Sequence["MarginBound | ClearanceBound"]
-    plan: Plan | None = None
-    known: Steps = field(default_factory=dict)
+    def __init__(self, setup: Setup, bounds: Sequence["Bound"]) -> None:
+        self.setup, self.bounds = setup, bounds
+        self.plan: Plan | None = None
+        self.known: Steps = {}
 
     def slacks(self, cuts: Array) -> list[Slack]:
         """Slack of every bound in each segment, or of what keeps it from a plan."""
@@ -291,3 +290,6 @@ class ClearanceBound:
             found = self._between(stage, halves.reshape(-1, 2))
             bound[open_] = found.reshape(2, -1).min(axis=0)
         return np.where(seen < self.least, seen, bound)
+
+
+Bound = MarginBound | ClearanceBound

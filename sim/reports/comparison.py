@@ -115,5 +115,7 @@ def _drift(runs: Sequence[Run], prediction: str = "") -> Table:
         parts.append({name: number(length, 2) for name, length in sums})
     what = "the ideal prediction" if prediction else best_of(runs)
     kinds = dict.fromkeys(chain(*parts))
-    rows = [(k, *(p.get(k, NONE if p else "replanned") for p in parts)) for k in kinds]
+    whole = [run.summary.replan and "replanned" for run in runs]
+    cells = [*zip(parts, whole, strict=True)]
+    rows = [(k, *(p.get(k, (not p and w) or NONE) for p, w in cells)) for k in kinds]
     return Table((f"off {what}, by phase [mm]", *names(runs)), rows)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Collection, Mapping
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 from planner.support import open_file
 from sim.scenarios.settings import SETTINGS
@@ -17,26 +17,38 @@ from sim.scenarios.settings import SETTINGS
 MODEL = "model.xml"  # whose seal waits until it was inspected
 FREE = {k for k, s in SETTINGS.items() if s.affects <= {"label", "film", "refusal"}}
 TOLD = ("seals", "timing")  # of summary.json; a film that is drawn takes time
+TABLES = ("scenario.toml", "summary.json")  # of which parts may change
 WHOLE = ("commands.npz", "trajectory.npz", "flows.csv", "feedback.csv")
+LARGEST_SEALED = 4 * 10**9  # bytes of a file, for which seconds are enough
 
 
 def seals(
-    folder: Path, scenario: Mapping[str, object], summary: Mapping[str, object]
+    folder: Path,
+    scenario: Mapping[str, object],
+    summary: Mapping[str, object],
+    copies: Collection[str] = (),
 ) -> dict[str, str | None]:
-    """Seals of all files but the model, from what two of them hold."""
-    tables = {
-        "scenario.toml": _seal_of_table(scenario, FREE),
-        "summary.json": _seal_of_table(summary, TOLD),
+    """Seals of a run's files, from what two of them hold.
+
+    Copies are further ones, of the robot. Those that the summary has sealed are among
+    them, but for the model.
+    """
+    tables = _seal_of_table(scenario, FREE), _seal_of_table(summary, TOLD)
+    told = summary.get("seals")
+    sealed = told if isinstance(told, Mapping) else {}
+    names = {*WHOLE, *map(str, sealed)} - {*TABLES, MODEL} | {*copies}
+    inside = [n for n in sorted(names) if not {"..", "/"} & {*PurePosixPath(n).parts}]
+    return dict(zip(TABLES, tables, strict=True)) | {
+        name: seal(folder / name) for name in inside
     }
-    return tables | {name: seal(folder / name) for name in WHOLE}
 
 
 def seal(path: Path) -> str | None:
-    """Digest of a file; None if it is not there."""
-    if not path.exists():
+    """Digest of a file; None if it is none, or too large."""
+    if not path.is_file() or path.stat().st_size > LARGEST_SEALED:
         return None
     with open_file(path) as file:
-        return hashlib.sha256(file.read()).hexdigest()[:16]
+        return hashlib.file_digest(file, "sha256").hexdigest()[:16]
 
 
 def _seal_of_table(table: Mapping[str, object], without: Collection[str]) -> str:

@@ -17,11 +17,10 @@ from unittest.mock import patch
 
 import mujoco
 
-from models.description import root_body
+from models.description import fixed_to, root_body
 from sim.errors import UsageError
 from sim.folder import blamed_on
 from sim.pictures.clock import Playback
-from sim.pictures.ghost import fixed_to
 from sim.runs.run import Run, read_run
 from sim.viewing.access import Access, OwnSocket
 from sim.viewing.marks import Marks

@@ -80,6 +80,29 @@ def test_files_that_were_changed_are_refused(folder, tmp_path, capsys, file, cha
 
 
 @pytest.mark.physics
+@pytest.mark.parametrize("file", ["robot/hexapod.xml", "robot/hexapod.toml"])
+def test_the_robot_of_a_run_is_the_one_that_walked(edited, tmp_path, capsys, file):
+    """Sensitivities and a fit would be those of another robot."""
+    robot = edited("mass", "mass").path
+    goal = ("--set", "path.goal=[0.004,0,0]", "--set", 'predictions=["ideal"]')
+    words = ("line", "--robot", str(robot), "--segments", "1", *goal)
+    folder = tmp_path / "run"
+    assert main(["run", *words, "--no-video", "--out", str(folder)]) == 0
+    assert main(["show", str(folder), "--no-browser"]) == 0
+    kept = (folder / file).read_bytes()
+    (folder / file).write_bytes(kept + b"\n")
+    for words in (["show", "--no-browser"], ["sensitivities"], ["fit"]):
+        assert main([words[0], str(folder), *words[1:]]) == 2
+        assert "of different walks, or were changed" in capsys.readouterr().err
+    (folder / file).write_bytes(kept)
+    for name in ("../../proc/kcore", "/dev/zero", "robot"):  # which nobody opens
+        told = json.loads((folder / "summary.json").read_text())
+        told["seals"][name] = None
+        (folder / "summary.json").write_text(json.dumps(told))
+    assert main(["show", str(folder), "--no-browser"]) == 0
+
+
+@pytest.mark.physics
 @pytest.mark.parametrize(
     ("own", "others"),
     [("goal = [", "goal = [-"), ("timestep = 0.001", "timestep = 0.002")],

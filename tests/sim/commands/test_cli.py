@@ -47,11 +47,7 @@ QUICK = (*SHORT, "--set", 'predictions=["quasi_static"]')
         (["run", "line", "--set", "fricton=1"], 2, "did you mean 'friction'?"),
         (["run", "line", "--set", "friction=-1"], 2, "give a number from 0 to 10"),
         (["run", "line", "--set", "timestep=0"], 2, "timestep = 0 is not allowed"),
-        (
-            ["run", "line", "--robot", "x", "--set", "robot=y"],
-            2,
-            "robot is given twice",
-        ),
+        (["run", "line", "--robot", "x", "--set", "robot=y"], 2, "given twice: --set"),
         (["identify", "hexapod", "--set", "robot=y"], 2, "robot is given twice"),
         (["run", "line", *2 * ["--set", "friction=1"]], 2, "friction is given twice"),
         (["run", "line", "--out", ""], 2, "an empty name: --out; name a folder"),

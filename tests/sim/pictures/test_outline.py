@@ -4,7 +4,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from sim.pictures.ghost import body_corners, fixed_to
+from models.description import fixed_to
+from sim.pictures.ghost import body_corners
 
 BOX = '<geom name="box" type="box" size="0.1 0.05 0.02" rgba="1 1 1 {alpha}"/>'
 TURNED = 'pos="0.01 0 0.02" euler="0 0 90"'

@@ -170,8 +170,15 @@ def test_without_an_ideal_prediction_parts_count_along_their_own_way(monkeypatch
     """As of runs that were played."""
     parts = {"swing S1": np.array([3e-3, 0.0, 0.1]), "swing S2": np.array([0, 4e-3, 0])}
     monkeypatch.setattr(comparison, "contributions", lambda run: {"compliant": parts})
-    run = SimpleNamespace(best="compliant", title="a")
+    run = SimpleNamespace(
+        best="compliant", title="a", summary=SimpleNamespace(replan=False)
+    )
     rows = dict(comparison._drift([run]).rows)
     assert rows["swing on S1"] == "1.80"  # 3 mm on a way of 5 mm: 3 * 3 / 5
     assert rows["swing on S2"] == "3.20"
     assert rows["all swings"] == rows["all together"] == "5.00"
+    planned = SimpleNamespace(**vars(run) | {"title": "b"})
+    of = {"a": {"compliant": parts}, "b": {"ideal": parts}}
+    monkeypatch.setattr(comparison, "contributions", lambda run: of[run.title])
+    beside = comparison._drift([run, planned], "ideal").rows
+    assert {played for _, played, _ in beside} == {comparison.NONE}
