@@ -159,7 +159,8 @@ def elsewhere(out: str | None, option: str = "--out") -> list[str]:
     taken = Path(out)
     names = (f"{taken.stem}-{number}{taken.suffix}" for number in count(2))
     free = (path for path in map(taken.with_name, names) if not os.path.lexists(path))
-    return [option, str(next(free))]
+    place = str(next(free))
+    return [option, f"./{place}" if place.startswith("-") else place]
 
 
 def require_robot(name: str) -> None:

@@ -247,6 +247,12 @@ class Findings:
     asked: int = 0  # points of the whole sweep, if known
 
     @property
+    def counted(self) -> str:
+        """Its points in words, of those of the sweep if it is a part."""
+        of = f"of the sweep's {self.asked} " if self.asked > self.points else ""
+        return f"{self.points} {of}point{'s' * (max(self.points, self.asked) != 1)}"
+
+    @property
     def ranked(self) -> list[tuple[str, Explained]]:
         """Settings, the weightiest first, and what only several together explain."""
         ranked = sorted(self.explained.items(), key=lambda of: -(of[1].departure or 0))
@@ -274,8 +280,10 @@ def findings(results: Results) -> Findings:
     grid = len(results) == len(rows) == every  # all combinations, each of them once
     known = int(np.isfinite(off).sum())
     whole = grid and known == len(results)
-    how = "exact for this full grid of" if whole else "estimated from"
     words, values = results.columns["verdict"], results.asked.get("vary", {}).values()
+    asked = prod(len(v) for v in values if isinstance(v, list))
+    grown = "these" if asked > len(results) else "this full grid of"
+    how = f"exact for {grown}" if whole else "estimated from"
     alone = {
         key: Explained(explained(values, off, whole), explained(values, lost, grid))
         for key, values in columns
@@ -295,5 +303,5 @@ def findings(results: Results) -> Findings:
         ),
         judge="" if results.judge == results.prediction else results.judge,
         left_out=results.left_out,
-        asked=prod(len(v) for v in values if isinstance(v, list)),
+        asked=asked,
     )

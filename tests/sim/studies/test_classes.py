@@ -1,11 +1,13 @@
 """Classes, groups and shares of a study, on tables that are written by hand."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from sim.errors import UsageError
+from sim.studies import maps
 from sim.studies.results import (
     ROUND,
     Explained,
@@ -57,7 +59,10 @@ def test_walks_whose_prediction_could_not_be_made_are_left_out_and_counted():
 def test_a_part_of_a_sweep_is_not_called_all_of_it():
     given = results([0.1] * 4)
     part = replace(given, asked={"vary": {"a": [1, 2, 3], "b": [1, 2]}})
-    assert str(findings(part)).startswith("4 of the sweep's 6 points, each counted")
+    found = findings(part)
+    assert str(found).startswith("4 of the sweep's 6 points, each counted")
+    page = maps.page(part, found, Path("t.parquet"), Path())
+    assert "4 of the sweep&#39;s 6 points</h1>" in page
     assert str(findings(given)).startswith("4 points, each counted")
     assert str(findings(replace(given, asked={"vary": {"a": 5}}))).startswith(
         "4 points"

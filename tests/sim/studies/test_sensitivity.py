@@ -1,6 +1,7 @@
 """Which settings matter, on functions whose Sobol indices are known."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -39,8 +40,11 @@ def test_a_study_of_a_full_grid_is_exact_and_says_so(lost):
         "path_length": [1.0] * 15, "distance_walked": [1.0] * 15,
         "error.ideal.farthest": (10.0 ** -(a + b)).tolist(),
     }  # fmt: skip
-    found = findings(Results(columns, ("a", "b"), "ideal"))
+    results = Results(columns, ("a", "b"), "ideal")
+    found = findings(results)
     assert found.verdicts == {"arrived": 0, "missed": 15 - lost}
+    part = findings(replace(results, asked={"vary": {"a": [0] * 3, "b": [0] * 6}}))
+    assert part.method.endswith("14 points" if lost else "exact for these 15 points")
     if lost:
         assert found.method.endswith("estimated from 14 points")
         assert found.explained["b"].falls == pytest.approx(2 / 7)  # of 14/225 in all
