@@ -1,7 +1,5 @@
 """Errors of the planner, and tables of sentences, that give value, place and remedy."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Callable, Collection, Iterable, Sequence
 from difflib import get_close_matches
@@ -181,7 +179,7 @@ class RangeError(PlannerError):
         facts = {"name": name, "reached": reached, "low": low, "high": high}
         super().__init__(f"{message('beyond_range', **facts)}; {way_out}")
 
-    def with_segments(self, segments: int | None, hopeless: str = "") -> RangeError:
+    def with_segments(self, segments: int | None, hopeless: str = "") -> "RangeError":
         """The same error with a number of segments that suffice, or why none does."""
         place = self.name, self.reached, self.low, self.high
         return RangeError(*place, segments, hopeless)

@@ -7,8 +7,6 @@ Example:
     python -m scripts.convergence --plot docs/fidelity.png
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any

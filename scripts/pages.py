@@ -1,7 +1,5 @@
 """What studies for the documentation share: parser, tables, pictures."""
 
-from __future__ import annotations
-
 import argparse
 import re
 from collections.abc import Iterable, Iterator, Sequence
@@ -39,7 +37,7 @@ def tabulate(
 
 
 @contextmanager
-def picture(path: Path, size: tuple[float, float], **saved: Any) -> Iterator[Figure]:
+def picture(path: Path, size: tuple[float, float], **saved: Any) -> "Iterator[Figure]":
     """A figure of a size [in], which is written to the path when the block ends."""
     import matplotlib as mpl
     from matplotlib.figure import Figure

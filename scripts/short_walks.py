@@ -8,8 +8,6 @@ Example:
     python -m scripts.short_walks --plot docs/short-walks.png
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path

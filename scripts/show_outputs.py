@@ -8,8 +8,6 @@ Example:
     python -m scripts.show_outputs docs/commands.md
 """
 
-from __future__ import annotations
-
 import json
 import os
 import re

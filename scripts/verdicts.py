@@ -7,8 +7,6 @@ Example:
     python -m scripts.verdicts --segments 10 --only "zeros of swing"
 """
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping, Sequence

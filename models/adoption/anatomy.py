@@ -1,7 +1,5 @@
 """The legs of a model: which joints swing, lift and are held, postures, and servos."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
@@ -52,7 +50,7 @@ class Pose:
     root: int
 
     @classmethod
-    def at(cls, model: mujoco.MjModel, root: int, qpos: Array) -> Pose:
+    def at(cls, model: mujoco.MjModel, root: int, qpos: Array) -> "Pose":
         """Put the joints where `qpos` says, and the root level at the origin."""
         pose = cls(model, mujoco.MjData(model), root)
         pose.data.qpos[:] = levelled(model, root, qpos)

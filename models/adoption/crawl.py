@@ -5,8 +5,6 @@ legs. With a leg in the air the weight must lie inside the feet of the others: l
 turned at the start, to the posture in which they row farthest and can yet be set back.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
@@ -61,7 +59,7 @@ class _Body:
     leans: Array  # from hip to the leg's centre of mass, (L, 2)
 
     @classmethod
-    def of(cls, pose: Pose, limbs: Sequence[Limb]) -> _Body:
+    def of(cls, pose: Pose, limbs: Sequence[Limb]) -> "_Body":
         model, mass = pose.model, pose.model.body_subtreemass
         bodies = [int(model.joint(limb.swing).bodyid[0]) for limb in limbs]
         hips = np.array([limb.hip for limb in limbs])

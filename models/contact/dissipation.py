@@ -8,8 +8,6 @@ minimum. Where every foot slides, Newton's method finds it. The symmetric D_i ma
 unit disc to the ellipse of the foot's friction (Hatton, Salaman and Revzen 2025).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -108,7 +106,7 @@ class _Problem:
         xi[rest] = self.take(rest).improve(xi[rest])
         return xi
 
-    def take(self, rows: Array) -> _Problem:
+    def take(self, rows: Array) -> "_Problem":
         """Some of the configurations."""
         grip = None if self.grip is None else self.grip[rows]
         return _Problem(self.feet[rows], self.rates[rows], self.loads[rows], grip)

@@ -1,7 +1,5 @@
 """A robot: an MJCF file, its card, and the places of the card's parts in the model."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -122,7 +120,7 @@ class Robot:
         of_leg = self.group_of_leg
         return self.swing_gain * swing[..., of_leg], self.raise_sign * lift[..., of_leg]
 
-    def alternating(self, groups: Mapping[str, Mapping[int, float]]) -> Robot:
+    def alternating(self, groups: Mapping[str, Mapping[int, float]]) -> "Robot":
         """The robot with two other groups of legs and gains, which stand in turn."""
         first, second = groups
         card = replace(

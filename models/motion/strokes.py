@@ -6,8 +6,6 @@ yaw is integrated, then the position. In the panels into which they are divided 
 integrand is the polynomial through its values at the Gauss-Legendre nodes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -103,7 +101,7 @@ class Strokes:
     @classmethod
     def among(
         cls, moves: Sequence[Move], groups: Sequence[str], start: ArrayLike
-    ) -> tuple[Strokes, Array]:
+    ) -> "tuple[Strokes, Array]":
         """The strokes among consecutive moves, and which of these they are, (moves,).
 
         The angles of the groups before the first move have shape (G,) [rad].

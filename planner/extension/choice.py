@@ -4,8 +4,6 @@ The elements span the tangent space of the bottom stratum at given configuration
 degree comes first, then few contact switches, then distance from linear dependence.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -56,7 +54,7 @@ class _Candidate:
     values: Array  # at the configurations, shape (k, n)
     columns: Array  # the same as unit vectors, in units that suit all coordinates
 
-    def measured(self, units: Array) -> _Candidate:
+    def measured(self, units: Array) -> "_Candidate":
         """The same element in given units of the coordinates, shape (n,)."""
         scaled = self.values / units
         lengths = np.linalg.norm(scaled, axis=-1, keepdims=True)

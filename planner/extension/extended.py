@@ -5,8 +5,6 @@ x' = B(x) v (Def. 3). The fictitious inputs v that follow a path come from here;
 `extension.steering` turns them into flows.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
@@ -75,7 +73,7 @@ class ExtendedSystem:
         self._require_reached(matrix, inputs, velocity, x)
         return inputs
 
-    def to_degree(self, degree: int) -> ExtendedSystem:
+    def to_degree(self, degree: int) -> "ExtendedSystem":
         """The same elements with words that are exact to another degree.
 
         It is at least the elements' own, and not beyond all use (`ValueError`).

@@ -1,7 +1,5 @@
 """The shortest plan found along a path: searched for, made exact, and checked."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -90,7 +88,7 @@ class Optimiser:
         return self._search.run()
 
     @cached_property
-    def _best(self) -> Optimiser:
+    def _best(self) -> "Optimiser":
         """The optimiser whose plan, played exactly, is best: for no larger tolerance.
 
         Those for rounded tolerances are the same for all larger ones, so that none of

@@ -6,8 +6,6 @@ ends the run, and they are raised again after it. A run also ends when the time 
 in is over.
 """
 
-from __future__ import annotations
-
 import signal
 import threading
 from collections.abc import Callable, Iterator, Mapping
@@ -90,7 +88,7 @@ class Ipopt:
         settings = QUIET | {"iteration_callback": self._watch} | self._given[1]
         self._solver = solver().nlpsol("plan", "ipopt", program, settings)
 
-    def warm(self) -> Ipopt:
+    def warm(self) -> "Ipopt":
         """The same program, with its derivatives, to be solved from near a solution."""
         program, options = self._given
         names = {"grad_f": "nlp_grad_f", "jac_g": "nlp_jac_g", "hess_lag": "nlp_hess_l"}

@@ -12,8 +12,6 @@ slope of the next against z1. A vehicle in the plane has such a form for every d
 that z1 may be measured in, and passes from one to the next where it turns far.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from contextlib import suppress
@@ -60,7 +58,7 @@ class FlatOutputs:
     rate: sp.Expr | None = None
     slope: sp.Expr | None = None
 
-    def of(self, state: tuple[sp.Symbol, ...]) -> FlatOutputs:
+    def of(self, state: tuple[sp.Symbol, ...]) -> "FlatOutputs":
         """The same functions of the coordinates of these names, whatever is assumed."""
         named = {symbol.name: symbol for symbol in state}
 

@@ -61,7 +61,8 @@ def critical_step(
 ) -> float:
     """Length of the smallest straight step of which a plan leaves more than half.
 
-    Every shorter step in that direction is at least halved.
+    Every shorter step in that direction is at least halved, unless the fields lose rank
+    on the way, where no plan is made.
 
     Args:
         system: System to steer; compiled by `extend` beforehand where speed matters.

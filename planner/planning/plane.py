@@ -6,8 +6,6 @@ any angle, is a chart again. A vehicle whose headings differ much, such as a tra
 across behind its car, drives until they are nearly equal: no chart holds it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -56,7 +54,7 @@ class Plane:
         outputs: tuple[sp.Expr, sp.Expr],
         drive: str,
         steer: str,
-    ) -> Plane | None:
+    ) -> "Plane | None":
         """The plane's motions of a system; None if it has no such invariance."""
         state, fields = system.state, system.fields
         along, across = outputs

@@ -4,8 +4,6 @@ Packages are compared with the versions that `scripts/constraints*.txt` pin, or 
 requirements outside a checkout, and their files with the hashes that pip wrote down.
 """
 
-from __future__ import annotations
-
 import argparse
 import csv
 import hashlib
@@ -169,7 +167,7 @@ def differences() -> Iterator[tuple[str, str]]:
             yield name, f"{path} is not as it was installed"
 
 
-def _wanted() -> list[Requirement]:
+def _wanted() -> "list[Requirement]":
     """What the constraints pin, or the package requires where there are none."""
     from packaging.requirements import Requirement
 

@@ -1,7 +1,5 @@
 """`stratawalk plan`: the plan on the exact kinematics, without physics."""
 
-from __future__ import annotations
-
 import argparse
 import time
 from collections.abc import Callable, Mapping
@@ -126,7 +124,7 @@ def _refuse(options: argparse.Namespace, names: Mapping[str, str], why: str) -> 
             raise UsageError(f"--{name} {why}", options.scenario, way)
 
 
-def _walk(scenario: Scenario, robot: Robot, progress: Progress) -> Outcome:
+def _walk(scenario: Scenario, robot: "Robot", progress: Progress) -> Outcome:
     from sim.preparation.setup import prepare  # these load MuJoCo
     from sim.problems.scenario import ScenarioProblem
 

@@ -14,8 +14,6 @@ contacts of the engine are in between: in proportion to its speed, sliding lifts
 All arrays have a leading axis of lanes, problems that are solved side by side.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from typing import NamedTuple, Self
@@ -207,7 +205,7 @@ class _Law(Lanes):
     @classmethod
     def of(
         cls, contact: Contact, compliance: Array, scale: tuple[float, float]
-    ) -> _Law:
+    ) -> "_Law":
         own = np.diagonal(compliance, axis1=2, axis2=3).reshape(*contact.gap.shape, 3)
         return cls(scale[0] / own[..., 2], 2 * scale[1] / (own[..., 0] + own[..., 1]))
 

@@ -5,8 +5,6 @@ commands of the last few seconds alone, and on the heading if the floor leans. P
 of a walk are computed side by side as lanes, and the walk is composed of its phases.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import groupby
@@ -20,6 +18,7 @@ from planner import Array
 from sim.compliant.anatomy import Robots
 from sim.compliant.increment import LOADED, Mechanics
 from sim.compliant.march import SLACK, Commands, Track, march
+from sim.errors import message
 from sim.motion.poses import compose, relative
 from sim.motion.stability import carrying, stability_margin
 
@@ -43,7 +42,7 @@ class Motion(NamedTuple):
     torque: Array  # of every servo, (N, F, J) [N m]
     margin: Array  # along gravity, (N,) [m]
 
-    def at(self, time: Array) -> Motion:
+    def at(self, time: Array) -> "Motion":
         """Between its moments, at times (T,); of two moments at a time the first."""
         after = np.clip(np.searchsorted(self.time, time - 1e-9), 1, len(self.time) - 1)
         span = self.time[after] - self.time[after - 1]
@@ -158,8 +157,8 @@ class Phases:
         )
         lane = int(ended.argmin())
         if np.isfinite(ended[lane]):
-            what = "tips over" if tipped[lane] else "finds no equilibrium"
-            raise MeasurementError(f"the robot {what} at {ended[lane]:.2f} s")
+            why = "tips_over" if tipped[lane] else "no_equilibrium"
+            raise MeasurementError(message(why, time=ended[lane]))
         whole = self._motion(track, whose)
         for number, piece in enumerate(pieces):
             own = range(number, robots * len(pieces), len(pieces))

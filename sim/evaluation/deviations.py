@@ -5,8 +5,6 @@ From k to k + 1 the end moves by the contribution of phase k, so that all contri
 add up to the error exactly. They are summed by stratum and kind of phase.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -139,7 +137,7 @@ class Scale:
     length: float  # of the path; where it only turns, of the feet's way [m]
 
     @classmethod
-    def of(cls, path: NominalPath, reach: float, made: Collection[str]) -> Scale:
+    def of(cls, path: NominalPath, reach: float, made: Collection[str]) -> "Scale":
         """That of walks along a path, by the best of the predictions that were made."""
         turns = np.diff(path.curve.at(np.linspace(0, 1, COMPARED))[:, 2])
         way = path.length or reach * float(np.abs(turns).sum())

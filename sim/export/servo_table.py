@@ -5,8 +5,6 @@ joint), `id`, `ticks` over `max_radians`, `center`, `sign` and `offset`, in a li
 in a table by any keys, on their own or under `SERVOS`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -87,7 +85,7 @@ class ServoTable:
         """Names of the joints, in the order of their channels."""
         return tuple(servo.joint for servo in self.channels)
 
-    def in_microseconds(self) -> ServoTable:
+    def in_microseconds(self) -> "ServoTable":
         """The same servos, commanded by the length of pulses instead of counts."""
         length, longest = 1e6 / (FRAME * self.frame_rate), round(1e6 / self.frame_rate)
         channels = tuple(

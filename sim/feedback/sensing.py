@@ -4,8 +4,6 @@ A camera gives the whole pose with white noise, a gyroscope the yaw alone; its e
 grows as a random walk and by a constant rate. What is not measured is NaN.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, fields, replace
 from math import inf, isfinite, radians, sqrt
 from typing import TYPE_CHECKING, Any
@@ -79,7 +77,7 @@ KINDS = {
 }  # kinds of sensors by the name that the setting `sense` gives
 
 
-def sensing_of(settings: Settings) -> Sensing:
+def sensing_of(settings: "Settings") -> Sensing:
     """The sensors that a scenario asks for: a kind, and what replaces its numbers."""
     given: dict[str, Any] = {}
     for name in (field.name for field in fields(Sensing)):

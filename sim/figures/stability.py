@@ -1,7 +1,5 @@
 """Fig. 5: angles at which a tripod is stable, by closed forms and support polygons."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -118,7 +116,7 @@ def _draw_stance(axes: Axes) -> None:
     axes.text(front / 2, -0.78, "$b$", ha="center", va="top")
 
 
-def _draw_signs(axes: Axes, signs: SignMap, crossed: Sequence[Array]) -> None:
+def _draw_signs(axes: Axes, signs: "SignMap", crossed: Sequence[Array]) -> None:
     stands = [0.0, float(signs.polygon.max())]
     axes.contourf(signs.phi, signs.b, signs.polygon[0], stands, colors=[STANDS])
     low, high = STANCE.bounds(PHI)

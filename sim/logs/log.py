@@ -5,8 +5,6 @@ commands, and beside them `measured.JOINT`, what is in `BODY` [m], and `contact.
 or 1). Empty cells are gaps. It holds numbers alone; nothing is carried out.
 """
 
-from __future__ import annotations
-
 import csv
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -93,7 +91,7 @@ class Log:
         rows = [np.searchsorted(self.time, way, side="right") - 1 for way in ways]
         return np.mean(self.commanded[np.maximum(rows, 0)], axis=0)
 
-    def repeated(self, times: int) -> Log:
+    def repeated(self, times: int) -> "Log":
         """The same motion several times over; what was measured is left out.
 
         The last row begins the next period, so that it must be like the first one.

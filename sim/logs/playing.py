@@ -4,8 +4,6 @@ Its phases are the times in which the same feet stand. A played motion has no fl
 else that is done with a schedule is done with it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -79,7 +77,7 @@ class Motion:
         center = self.posture.center_of_mass[:, :2]
         return stability_margin(self.posture.feet[..., :2], self.contact, center)
 
-    def schedule(self, begin: int, end: int, *, standing: bool = False) -> Played:
+    def schedule(self, begin: int, end: int, *, standing: bool = False) -> "Played":
         """Commands of steps from one to another, or of `standing` in the first row."""
         rest = LegState((0.0,) * len(self.robot.groups), self.robot.card.bottom)
         held = (self._phase("hold", self.low, begin, end, np.zeros(1)),)

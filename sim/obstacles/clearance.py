@@ -6,8 +6,6 @@ box around them. Between two samples no part comes closer than half the sum of i
 distances at both, less half the distance it moves: samples bound the whole motion.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -234,7 +232,7 @@ def _moved(cores: Sequence[Array], first: Rows, last: Rows) -> Array:
     return np.sqrt(np.max([way.max(axis=-1) for way in ways], axis=0))
 
 
-def surroundings(setup: Setup) -> Surroundings:
+def surroundings(setup: "Setup") -> Surroundings:
     """A scenario's obstacles and the outline of its robot."""
     return Surroundings(Outline(setup.robot, setup.model), setup.scenario.obstacles)
 

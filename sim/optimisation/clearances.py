@@ -5,8 +5,6 @@ of the robot's corners from the obstacles, and of their corners from its sides, 
 that is needed, seen from above. The least is smoothed, and never overestimated.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache, reduce
@@ -102,7 +100,7 @@ def near_pieces(setup: Setup, within: float) -> Iterator[Near]:
 
 
 def _distances(
-    parts: Sequence[MovingPart],
+    parts: "Sequence[MovingPart]",
     angle: Place,
     pose: tuple[Expression, Expression, Expression, Expression],
     pieces: Sequence[Near],

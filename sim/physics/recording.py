@@ -6,8 +6,6 @@ computed separately. A contact is final once no later step can turn an interrupt
 it into a bounce.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import NamedTuple, TypeVar
@@ -59,7 +57,7 @@ class Moments(NamedTuple):
     contact: Array  # load, with bounces bridged, (T, F), bool
     slip: Array  # so far, (T, F) [m]
 
-    def at(self, which: slice | Array) -> Moments:
+    def at(self, which: slice | Array) -> "Moments":
         """Some of them."""
         return Moments(*(column[which] for column in self))
 

@@ -3,8 +3,6 @@
 A problem is a scenario's, a robot with its path, or a system's, which has no body.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from abc import ABC, abstractmethod
@@ -73,7 +71,7 @@ class Problem(ABC):
         """How far a plan ends off the goal, as a share of the way there."""
 
     @abstractmethod
-    def changed(self, degree: int = 0, **options: object) -> Problem:
+    def changed(self, degree: int = 0, **options: object) -> "Problem":
         """The same problem with another degree, words, segments or replanning."""
 
     @abstractmethod

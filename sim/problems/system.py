@@ -5,8 +5,6 @@ shortest plans every coordinate stays as near to the path as the stratified plan
 except those that are freed and the angles of legs, which recoveries move alone.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -75,7 +73,7 @@ class SystemProblem(Problem):
         distance, missed = plan.system.length(np.array([goal - start, goal - end]))
         return float(missed / distance) if distance else 0.0
 
-    def changed(self, degree: int = 0, **options: object) -> SystemProblem:
+    def changed(self, degree: int = 0, **options: object) -> "SystemProblem":
         """The same problem with another degree, words, segments or replanning."""
         replan = bool(options.pop("replan", self.replan))
         options["degree"] = degree or self.problem.degree

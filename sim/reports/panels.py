@@ -1,7 +1,5 @@
 """Drawings over one time axis: errors, margin, slip, contacts and strata."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
@@ -196,7 +194,7 @@ def _contacts(run: Run) -> Drawing:
         return finish(figure, "Contacts of the feet, and strata", keys, note)
 
 
-def _bars(axes: Axes, spells: Array, y: float, high: float, colour: str) -> None:
+def _bars(axes: "Axes", spells: Array, y: float, high: float, colour: str) -> None:
     """Bars of one row as a single shape, which a page draws and stores fastest."""
     from matplotlib.patches import PathPatch
     from matplotlib.path import Path

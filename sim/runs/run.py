@@ -3,8 +3,6 @@
 Arrays are read when they are asked for, or taken from a simulation just ended.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from copy import deepcopy
 from dataclasses import dataclass, replace
@@ -231,7 +229,7 @@ class Run:
         feet = self.contact_point[-1] - self.achieved[-1, :2]
         return float(np.hypot(*feet.T).max())
 
-    def in_world(self) -> Run:
+    def in_world(self) -> "Run":
         """The run with all arrays read, poses and points in world coordinates."""
         with reading(self.folder):
             _ = self.scenario  # which says in time what is wrong

@@ -4,8 +4,6 @@ They hold no secret, so that they guard against mixtures and slips alone. `model
 has none, since servos may be mounted anew.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 from collections.abc import Collection, Mapping

@@ -4,8 +4,6 @@ A path is a callable of s in [0, 1] that returns the pose (x [m], y [m], yaw [ra
 the frame of the start pose, yaw not wrapped. The planner provides the curves.
 """
 
-from __future__ import annotations
-
 import csv
 import io
 import math
@@ -59,7 +57,7 @@ class NominalPath:
         """Pose at s, shape (3,)."""
         return self.curve(s)
 
-    def recut(self, cuts: Array) -> NominalPath:
+    def recut(self, cuts: Array) -> "NominalPath":
         """The same path, with s running evenly over the pieces between the cuts."""
         curve = planner.planning.recut(self.curve, cuts)
         return replace(self, curve=curve, uncut=self.undivided)

@@ -5,8 +5,6 @@ in docs/scenarios.md and what the walks of a sweep have in common follow from th
 declarations. To add one, add a field to `Settings`, and read it where it takes effect.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, fields
 from functools import partial

@@ -6,8 +6,6 @@ line that is not as it was written is refused. A point is known by a digest of i
 settings and of the files of its robot and motion, beside the software's versions.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import os
@@ -146,7 +144,7 @@ class Outcome:
         return _sealed(json.dumps(asdict(self)).encode())
 
     @classmethod
-    def read(cls, line: bytes) -> Outcome:
+    def read(cls, line: bytes) -> "Outcome":
         """What a line says; a ValueError if it is not as it was written."""
         content = b"{" + line[LENGTH:-1]
         if line != _sealed(content):

@@ -5,8 +5,6 @@ equations that couple leg joints no longer hold. A servo behind a gear is replac
 the same servo on the joint itself, so that commands are angles.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
