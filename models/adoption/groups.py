@@ -181,6 +181,7 @@ class _Legs(NamedTuple):
 
 TRIED_ANGLES = 16  # angles that are tried, on each side
 CLEARANCE = 1e-3  # [m] that parts keep from one another
+FLUSH = 1e-5  # [m] to which distances are known
 
 Swings = Mapping[int, float]  # place of a limb -> its joint's angle per group's angle
 
@@ -243,7 +244,7 @@ class _Trial:
             for raised in ((False, False), (True, False), (False, True)):
                 for (a, b), apart in self._near(angles, raised).items():
                     before = self._at_rest.get((a, b))
-                    if before is None or apart < 0 <= before:
+                    if before is None or apart < -FLUSH and before >= 0:
                         return max(abs(one), abs(other)), (name(a).name, name(b).name)
         return None
 

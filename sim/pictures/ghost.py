@@ -11,6 +11,7 @@ from sim import palette
 from sim.motion.poses import rotate, wrap
 from sim.palette import GHOST, GHOST_TORSO
 from sim.runs.run import Run
+from sim.world.imperfections import PAYLOAD
 
 INSIDE = 0.93  # size of the ghost, which the robot hides where it is as predicted
 FLAT = np.eye(3).ravel()
@@ -82,9 +83,10 @@ def body_corners(model: mujoco.MjModel, root: int) -> Array:
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
     sides = np.stack(np.meshgrid(*[(-1, 1)] * 3), axis=-1).reshape(-1, 3)
-    own = fixed_to(model, root)
-    corners = []
+    own, corners = fixed_to(model, root), []
     for geom in own[model.geom_rgba[own, 3] > 0]:
+        if model.geom(geom).name == PAYLOAD:
+            continue
         middle, half = np.split(model.geom_aabb[geom], 2)
         box = (middle + half * sides) @ data.geom_xmat[geom].reshape(3, 3).T
         corners.append(data.geom_xpos[geom] + box)

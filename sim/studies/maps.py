@@ -99,7 +99,7 @@ def page(results: Results, found: Findings, table: Path, beside: Path) -> str:
     drawn = figures(results, "none")
     return render(
         "study.html",
-        title=f"{folder.resolve().name}: {found.counted}",
+        title=f"{folder.resolve().name}: {str(found).partition(',')[0]}",
         about=f"{', '.join(results.keys)} {'vary' if results.keys[1:] else 'varies'}",
         found=found,
         label=results.label,

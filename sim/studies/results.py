@@ -247,12 +247,6 @@ class Findings:
     asked: int = 0  # points of the whole sweep, if known
 
     @property
-    def counted(self) -> str:
-        """Its points in words, of those of the sweep if it is a part."""
-        of = f"of the sweep's {self.asked} " if self.asked > self.points else ""
-        return f"{self.points} {of}point{'s' * (max(self.points, self.asked) != 1)}"
-
-    @property
     def ranked(self) -> list[tuple[str, Explained]]:
         """Settings, the weightiest first, and what only several together explain."""
         ranked = sorted(self.explained.items(), key=lambda of: -(of[1].departure or 0))
@@ -278,8 +272,7 @@ def findings(results: Results) -> Findings:
     places = [group(values, separate=True).tolist() for _, values in columns]
     rows, every = set(zip(*places, strict=True)), prod(len(set(p)) for p in places)
     grid = len(results) == len(rows) == every  # all combinations, each of them once
-    known = int(np.isfinite(off).sum())
-    whole = grid and known == len(results)
+    whole = (known := int(np.isfinite(off).sum())) == len(results) and grid
     words, values = results.columns["verdict"], results.asked.get("vary", {}).values()
     asked = prod(len(v) for v in values if isinstance(v, list))
     grown = "these" if asked > len(results) else "this full grid of"

@@ -4,7 +4,7 @@ from typing import Any
 
 import mujoco
 
-ADDED = "actuator", "geom", "joint", "mesh"  # kinds of parts that a robot's file lacks
+ADDED = "actuator", "geom", "joint", "light", "material", "mesh"  # kinds of parts
 OWN = {"classname", "info", "name"}  # what each part has of its own
 
 

@@ -89,6 +89,13 @@ def test_parts_that_touch_where_the_robot_stands_may_touch_anywhere():
     assert trial(ball("near", x, y, 0.0)).first_touching(0.4) is None
 
 
+@pytest.mark.parametrize("rounded", [-1e-15, 0.0, 1e-15])
+def test_parts_that_are_flush_stay_so_however_they_are_rounded(rounded):
+    """A leg turns on a round plate that just touches its shin from below."""
+    plate = '<geom name="plate" type="cylinder" size="0.15 0.02" pos="0 0 {}"/>'
+    assert trial(plate.format(rounded - 0.03)).first_touching(0.4) is None
+
+
 @pytest.mark.parametrize(("apart", "level"), [(-1e-4, None), (5e-4, 1), (2e-3, 1)])
 def test_parts_that_are_merely_near_where_it_stands_may_not_overlap(apart, level):
     beside = ball("near", 0.2, 0.01 + 0.03 + apart, 0.0)

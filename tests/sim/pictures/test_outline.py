@@ -44,3 +44,9 @@ def test_a_body_of_which_nothing_is_seen_reaches_from_leg_to_leg():
     assert corners == pytest.approx(
         np.array([[0.1, 0.1, 0], [0.1, -0.1, 0], [-0.1, 0, 0]]), abs=1e-12
     )
+
+
+def test_a_payload_is_no_part_of_the_outline():
+    seen = BOX.format(alpha=1)
+    load = '<body pos="0 0 0.3"><geom name="payload" size="0.005"/></body>'
+    assert np.array_equal(corners_of(seen + load + LEGS)[0], corners_of(seen + LEGS)[0])

@@ -235,7 +235,7 @@ def test_soles_that_overlap_are_told(edited, scenario):
 def test_marks_of_films_keep_their_colours_and_lie_on_the_floor(
     edited, tmp_path, scenario
 ):
-    grey = '><geom rgba="0.5 0.1 0.1 1" group="4"/>'
+    grey = '><geom rgba="0.5 0.1 0.1 1" group="4"/><light active="false"/>'
     dark = '<headlight active="0" ambient'
     robot = edited(DEFAULTS, DEFAULTS.replace(">", grey, 1), "<headlight ambient", dark)
     file, given = tmp_path / "hexapod.xml", scenario(bumps=0.004)
@@ -248,6 +248,7 @@ def test_marks_of_films_keep_their_colours_and_lie_on_the_floor(
     mark = Mark("path", ribbon(line, np.zeros(2, int), 0.01), palette.ACHIEVED.colour)
     shown = build_scene(walk, [mark], LOOKS["draft"])
     assert (model.vis.headlight.active, bool(shown.vis.headlight.active)) == (0, True)
+    assert shown.light_active.all()
     geom = shown.geom(mesh_name(mark.pieces[0][0]))
     assert geom.rgba == pytest.approx(palette.ACHIEVED.colour.rgba(1.0))
     assert geom.group == 0
