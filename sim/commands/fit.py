@@ -4,7 +4,7 @@ import argparse
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import replace
-from math import exp, floor, log10, sqrt
+from math import floor, log10, sqrt
 from pathlib import Path
 
 import numpy as np
@@ -25,8 +25,6 @@ from sim.runs.run import read_run
 from sim.templates import render
 
 MILLI, MILLI_UNITS = 1e3, {"rad": "mrad", "s": "ms"}  # in tables
-
-TELLING = 0.5  # of the joints, fewer of which do not tell the stiffness of all
 
 
 def fit(options: argparse.Namespace) -> None:
@@ -131,10 +129,7 @@ def _of_servos(fit: fitting.JointFit) -> dict[str, object]:
     for words in fit.make.unseen():
         unseen[words].append("all joints together")
     before, after = (sqrt((m[m == m] ** 2).mean()) for m in (fit.before, fit.after))
-    alone, together = fit.each.seen[:, 0].mean(), bool(fit.make.seen[0, 0])
-    began = exp(fit.each.start[:, 0].mean()) if together and alone < TELLING else None
-    missed = {"before": before, "after": after}
-    return {"rows": rows, "unseen": unseen, "began": began, **missed}
+    return {"rows": rows, "unseen": unseen, "before": before, "after": after}
 
 
 def _noise(logs: Sequence[Log]) -> float:

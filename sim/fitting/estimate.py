@@ -143,37 +143,73 @@ def estimate(
     Of what the model predicts, (N, P) was measured, NaN where nothing was. Parameters
     are expected at the start, (P, K); the search begins at a guess, (P, K).
     """
-    spread, step, low = np.array([(p.spread, p.step, p.low) for p in parameters]).T
-    there = np.isfinite(measured)
-    count = np.maximum(there.sum(axis=0) - len(parameters), 1)
-
-    def missed(predicted: Array) -> Array:
-        return np.where(there, measured - predicted, 0.0)
-
-    value = np.maximum(guess, low)
-    variants = np.concatenate([np.zeros((1, len(step))), np.diag(step)])
+    low, value = np.array([p.low for p in parameters]), guess
+    value = np.maximum(value, low)
     for _ in range(steps):
-        found = model(value + variants[:, None])
-        slope = np.where(there, (found[1:] - found[0]) / step[:, None, None], 0.0)
-        left = missed(found[0])
-        noise = np.sqrt((left**2).sum(axis=0) / count)
-        weight = 1 / (np.maximum(noise, LEAST_NOISE) ** 2 * _alike(left, there))
-        information = np.einsum("knp,lnp,p->pkl", slope, slope, weight)
-        toward = np.einsum("knp,np,p->pk", slope, left, weight)
-        toward -= (value - start) / spread**2
+        found, toward, weight, left = _around(model, measured, parameters, start, value)
         held = (value <= low) & (toward < 0)  # at a bound, and led beyond it
-        found_so_far = Estimates(tuple(parameters), start, value, information, noise)
-        way = _newton_step(information + found_so_far.expected, toward, held)
-        if (np.abs(way) < SETTLED * found_so_far.error).all():
+        way = _newton_step(found.information + found.expected, toward, held)
+        if (np.abs(way) < SETTLED * found.error).all():
             break
         tried = np.maximum(value + LENGTHS[:, None, None] * way, low)
-        cost = _cost(missed(model(tried)), weight, tried - start, spread)
+        missed = np.where(np.isfinite(measured), measured - model(tried), 0.0)
+        cost = _cost(missed, weight, tried - start, found.spread)
         new = tried[cost.argmin(axis=0), np.arange(len(value))]
-        better = cost.min(axis=0) < _cost(left, weight, value - start, spread) - SETTLED
+        before = _cost(left, weight, value - start, found.spread)
+        better = cost.min(axis=0) < before - SETTLED
         if not better.any():
             break
         value = np.where(better[:, None], new, value)
-    return found_so_far
+    return found
+
+
+def _around(
+    model: Model,
+    measured: Array,
+    parameters: Sequence[Parameter],
+    start: Array,
+    value: Array,
+) -> tuple[Estimates, Array, Array, Array]:
+    """What measurements say around a value: there, and where it leads, (P, K).
+
+    The others are the weight of a row, (P,), and what is left over, (N, P).
+    """
+    step = np.array([p.step for p in parameters])
+    there = np.isfinite(measured)
+    count = np.maximum(there.sum(axis=0) - len(parameters), 1)
+    variants = np.concatenate([np.zeros((1, len(step))), np.diag(step)])
+    predicted = model(value + variants[:, None])
+    rise = (predicted[1:] - predicted[0]) / step[:, None, None]
+    slope = np.where(there, rise, 0.0)
+    left = np.where(there, measured - predicted[0], 0.0)
+    noise = np.sqrt((left**2).sum(axis=0) / count)
+    weight = 1 / (np.maximum(noise, LEAST_NOISE) ** 2 * _alike(left, there))
+    information = np.einsum("knp,lnp,p->pkl", slope, slope, weight)
+    found = Estimates(tuple(parameters), start, value, information, noise)
+    toward = np.einsum("knp,np,p->pk", slope, left, weight)
+    return found, toward - (value - start) / found.spread**2, weight, left
+
+
+def led(
+    model: Model,
+    measured: Array,
+    parameters: Sequence[Parameter],
+    start: Array,
+    value: Array,
+    shared: Sequence[int],
+) -> Estimates:
+    """Where P problems are led from a value, to be pooled; they share parameters.
+
+    What is at its least and led below stays there.
+    """
+    at, toward, *_ = _around(model, measured, parameters, start, value)
+    together = toward.copy()
+    together[:, shared] = toward[:, shared].sum(axis=0)
+    held = (value <= [p.low for p in parameters]) & (together < 0)
+    way = _newton_step(at.information + at.expected, toward, held)
+    kept = np.where(held[:, :, None] | held[:, None], 0.0, at.information)
+    kept += held[:, :, None] * np.eye(len(parameters)) / LEAST_NOISE**2
+    return replace(at, value=value + way, information=kept)
 
 
 def best_of(found: Sequence[Estimates]) -> Estimates:
@@ -222,11 +258,14 @@ def together(each: Sequence[Estimates]) -> Estimates:
     return solved(first.parameters, first.start, information, evidence, noise)
 
 
-def pooled(each: Estimates, shared: Sequence[int]) -> tuple[Estimates, Estimates]:
+def pooled(
+    each: Estimates, shared: Sequence[int], weight: float = 1.0
+) -> tuple[Estimates, Estimates]:
     """Parameters that all problems share, from all of them, and each one's others.
 
-    Around its own estimate what a problem's measurements say is taken to be quadratic.
-    The first estimates are of one problem, the second of P.
+    Around its own estimate what a problem's measurements say is taken to be quadratic;
+    what they say of shared ones has a weight. The first estimates are of one problem,
+    the second of P.
     """
     c = np.array(shared)
     p = np.setdiff1d(np.arange(len(each.parameters)), c)
@@ -234,11 +273,13 @@ def pooled(each: Estimates, shared: Sequence[int]) -> tuple[Estimates, Estimates
     own, cross = H[:, p[:, None], p] + expected, H[:, c[:, None], p]
     others = y[:, p] + each.start[:, p] / each.spread[p] ** 2
     through = cross @ np.linalg.inv(own)
+    told = H[:, c[:, None], c] - through @ np.swapaxes(cross, 1, 2)
+    led_to = y[:, c] - np.einsum("pkl,pl->pk", through, others)
     one = solved(
         [each.parameters[k] for k in c],
         each.start[:, c].mean(axis=0)[None],
-        (H[:, c[:, None], c] - through @ np.swapaxes(cross, 1, 2)).sum(axis=0)[None],
-        (y[:, c] - np.einsum("pkl,pl->pk", through, others)).sum(axis=0)[None],
+        weight * told.sum(axis=0)[None],
+        weight * led_to.sum(axis=0)[None],
         np.sqrt(np.mean(each.noise**2))[None],
     )
     rest = others - np.einsum("pkl,k->pl", cross, one.value[0])

@@ -22,14 +22,8 @@ from models import Robot
 from models.description import parse_toml, toml_text, without_tables
 from planner import Array
 from sim.errors import SimulationError, UsageError
-from sim.fitting.estimate import (
-    Estimates,
-    best_of,
-    estimate,
-    parameters_of,
-    pooled,
-    together,
-)
+from sim.fitting.estimate import Estimates, best_of, estimate, together
+from sim.fitting.makes import SERVO, one_make, shared_make
 from sim.fitting.servo_law import Commanded, known_servos, on_floor, on_stand
 from sim.folder import require_free, require_writable, whole
 from sim.logs.log import Log
@@ -38,8 +32,6 @@ from sim.preparation.shared import built
 from sim.scenarios.declaration import read
 from sim.scenarios.settings import SETTINGS
 
-SERVO = parameters_of("servo")
-MAKE = (0, 1, 3, 5)  # parameters of a make; dead band and zero are a servo's own
 LONGEST_DELAY = 0.3  # [s]; delay that is looked for
 APART = 0.01  # [s]; delays that are tried
 DAMPINGS = (-0.7, 0.0, 0.7)  # logarithms of factors that are tried
@@ -98,9 +90,12 @@ def fit_joints(setup: Setup, logs: Sequence[Log], walking: bool) -> JointFit:
         tries = 2 - walking  # loads on the floor are too uncertain for a choice
         fits = [fit_servos(c, *_rows(g, False), start, tries) for c, g in pairs]
         each = together(fits)
-        make, own, whole = one_make(each)
         if walking:
+            make, own, whole = one_make(each)
             model = _fitted_model(setup, logs[0], whole)
+        else:
+            told = [(c, *_rows(log, False)) for c, log in pairs]
+            make, own, whole = shared_make(told, start, each)
     ends = ([_missed(*pair, servo) for pair in pairs] for servo in (start, whole))
     before, after = (np.sqrt(np.mean(end, axis=0)) for end in ends)
     if (lost := np.isfinite(before) & ~np.isfinite(after)).any():
@@ -159,14 +154,6 @@ def fit_servos(
     guesses = _scanned(commanded, rows, measured, start)[:tries]
     model = partial(commanded.answers, rows=rows)
     return best_of([estimate(model, measured, SERVO, start, one) for one in guesses])
-
-
-def one_make(each: Estimates) -> tuple[Estimates, Estimates, Array]:
-    """What the servos share, what each has of its own, and all of it as (P, 6)."""
-    make, own = pooled(each, MAKE)
-    whole = np.tile(make.value[0][[0, 1, 0, 2, 0, 3]], (len(own.value), 1))
-    whole[:, [2, 4]] = own.value
-    return make, own, whole
 
 
 def _scanned(commanded: Commanded, rows: Array, measured: Array, start: Array) -> Array:

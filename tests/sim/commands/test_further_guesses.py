@@ -45,7 +45,7 @@ from sim.cli import main
             "export mine.xml --format csv --out a.csv",
             "stratawalk export line --robot m",
         ),
-        ("plan bare.toml", "plan or check it, with tables [strata.NAME]"),
+        ("plan bare.toml", "bad system: bare.toml; strata is missing"),
         ("systems bare.toml", "`check` and `plan` read files"),
         ("study sweep.toml", "give stratawalk sweep this file"),
         ("show a/report.html", "give its folder, a"),

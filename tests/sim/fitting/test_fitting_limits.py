@@ -5,11 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from sim.commands.fit import _of_servos
 from sim.fitting.estimate import Estimates, Parameter, _in_words
-from sim.fitting.fitting import SERVO, JointFit, _rows, one_make
+from sim.fitting.fitting import JointFit, _rows
 from sim.fitting.poses import BODY, PoseFit
-from sim.templates import render
 
 
 def test_three_quarters_of_a_log_are_fitted_and_the_rest_checks():
@@ -58,17 +56,3 @@ def test_parameters_may_have_any_value_and_are_no_logarithms_unless_it_is_said()
 def test_parameters_take_part_in_a_direction_from_a_quarter_on(part, said):
     direction = np.array([np.sqrt(1 - part**2), part])
     assert _in_words(["a", "b"], direction).startswith(said)
-
-
-@pytest.mark.parametrize(("strength", "leans"), [(4, False), (2, True), (0.5, False)])
-def test_stiffness_that_few_joints_tell_alone_leans_on_its_start(strength, leans):
-    """Joints of strength 3 just tell it; three of strength 1 do so together."""
-    spread = np.array([parameter.spread for parameter in SERVO])
-    start = np.tile(np.append(np.log([15.0, 0.1]), np.zeros(4)), (3, 1))
-    information = np.tile(np.diag(strength / spread**2), (3, 1, 1))
-    each = Estimates(SERVO, start, start, information, np.full(3, 1e-3))
-    make, own, _ = one_make(each)
-    found = JointFit(("a", "b", "c"), each, make, own, np.ones(3), np.ones(3))
-    servos = _of_servos(found) | {"noise": 1.0}
-    said = render("fit.txt", servos=servos, body=None, written=None)
-    assert ("lean on where the search began, at 15 N m/rad" in said) == leans

@@ -81,6 +81,7 @@ def test_a_walk_is_fitted_in_rounds_each_in_the_world_that_the_last_one_found(
         ("_rows", lambda *_: ()), ("fit_servos", lambda *_: "fitted"),
         ("together", lambda each: "each"),
         ("one_make", lambda _: ("make", "own", f"found {next(rounds)}")),
+        ("shared_make", lambda *_: ("make", "own", "found together")),
         ("_fitted_model", lambda _, log, whole: (log, f"world of {whole}")),
         ("_missed", lambda commanded, log, servo: np.full(2, 4.0)),
     ):  # fmt: skip
