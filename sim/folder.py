@@ -1,7 +1,5 @@
 """The folder of a run: files appear under their names once complete and on the disk."""
 
-from __future__ import annotations
-
 import csv
 import errno
 import io
@@ -53,7 +51,7 @@ class RunFolder:
             require_space(self.path, size)
 
     def write_arrays(
-        self, name: str, arrays: Iterable[tuple[str, np.ndarray | Pieces]]
+        self, name: str, arrays: "Iterable[tuple[str, np.ndarray | Pieces]]"
     ) -> None:
         """Write named arrays as compressed .npz; equal arrays give equal bytes."""
         arrays, size = iter(arrays), 0
@@ -72,7 +70,7 @@ class RunFolder:
                 with archive.open(member, "w", force_zip64=True) as file:
                     _write_array(file, array)
 
-    def inner(self, name: str) -> RunFolder:
+    def inner(self, name: str) -> "RunFolder":
         """A new folder within this one."""
         with _writing(self.path / name):
             return RunFolder(_make(self.path / name))

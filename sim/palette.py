@@ -5,8 +5,6 @@ readers without red, green or blue cones. Where lines may be printed in grey, da
 tell them apart too.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -33,15 +31,15 @@ class Colour(NamedTuple):
         return self.red / 255, self.green / 255, self.blue / 255, alpha
 
     @property
-    def ink(self) -> Colour:
+    def ink(self) -> "Colour":
         """Colour of words on it: white, or that of text."""
         return WHITE if 0.2 * self.red + 0.7 * self.green < 100 else TEXT
 
-    def tint(self, strength: float) -> Colour:
+    def tint(self, strength: float) -> "Colour":
         """The colour mixed with the paper's, for marks in the background."""
         return self.mixed(PAPER, 1 - strength)
 
-    def mixed(self, other: Colour, share: float) -> Colour:
+    def mixed(self, other: "Colour", share: float) -> "Colour":
         """The colour with a share of another one."""
         pairs = zip(self, other, strict=True)
         return Colour(*(round((1 - share) * a + share * b) for a, b in pairs))

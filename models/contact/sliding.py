@@ -6,8 +6,6 @@ equations; the twist is the one that balances friction, which is smoothed near r
 and less. For three feet `contact.dissipation` is exact and faster.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 
@@ -55,14 +53,14 @@ class Ground:
         rubbing = np.array(self.frictions or (1.0,) * len(self.contact))
         return rubbing / max(float(rubbing.max()), 1e-300)
 
-    def under(self, feet: Array) -> Ground:
+    def under(self, feet: Array) -> "Ground":
         """The ground under some of the feet, (F,), bool."""
         own = tuple(np.array(self.frictions)[feet]) if self.frictions else ()
         most, springs = max(own, default=self.friction), self.contact[feet]
         return Ground(springs, self.servo[feet], most, self.weight, self.push, own)
 
     @classmethod
-    def of(cls, robot: Robot, model: mujoco.MjModel) -> Ground:
+    def of(cls, robot: Robot, model: mujoco.MjModel) -> "Ground":
         """The ground in a world with robot, floor and servos, at keyframe `start`."""
         data = mujoco.MjData(model)
         mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
@@ -150,7 +148,7 @@ class _Balance:
     gives: Array  # of the soles by the lift joints, (N, F, 3) [m/rad]
     grip: Array | None
 
-    def take(self, rows: Array) -> _Balance:
+    def take(self, rows: Array) -> "_Balance":
         """Some of the configurations."""
         arrays = ((f.name, getattr(self, f.name)) for f in fields(self)[1:])
         return replace(self, **{n: a[rows] for n, a in arrays if a is not None})

@@ -7,8 +7,6 @@ whatever inertia they move. Makes stand in `makes.toml`, as data sheets have the
 servo of one joint takes the count center + sign * counts_per_radian * (angle - offset).
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import inf, isfinite, pi, radians
@@ -100,7 +98,7 @@ class ServoKind:
         """Torque an error near zero [N m/rad]."""
         return self.stall_torque / self.full_error
 
-    def at_rate(self, rate: float) -> ServoKind:
+    def at_rate(self, rate: float) -> "ServoKind":
         """The servo given so many commands a second; 0 for one a physics step.
 
         Pulses are counted in parts of a frame, so their counts are as many times finer
@@ -112,7 +110,7 @@ class ServoKind:
         resolution, center = self.resolution / finer, round(self.center * finer)
         return replace(self, command_rate=rate, resolution=resolution, center=center)
 
-    def with_numbers(self, given: Mapping[str, float]) -> ServoKind:
+    def with_numbers(self, given: Mapping[str, float]) -> "ServoKind":
         """The servo with other numbers of its data sheet.
 
         Another voltage alone changes torque and speed in proportion. A number that a

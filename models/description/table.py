@@ -3,8 +3,6 @@
 Every refusal says which value of which key is wrong, and what would be right.
 """
 
-from __future__ import annotations
-
 import json
 import re
 import tomllib
@@ -138,7 +136,7 @@ class Table:
         """A list."""
         return list(self._of("a list", key, _list_of(lambda item: True)))
 
-    def table(self, key: str, known: Collection[str] = ()) -> Table:
+    def table(self, key: str, known: Collection[str] = ()) -> "Table":
         """A table of known keys, or of any; empty if left out."""
         return Table(self.values.get(key, {}), self._place(key), known)
 
@@ -149,7 +147,7 @@ class Table:
         inner = self.table(key)
         return {name: inner.number(name) for name in inner.values}
 
-    def tables(self, key: str, known: Collection[str] = ()) -> dict[str, Table]:
+    def tables(self, key: str, known: Collection[str] = ()) -> "dict[str, Table]":
         """The tables in a table by their names, each with its known keys."""
         inner = Table(self.get(key), self._place(key))
         return {

@@ -5,8 +5,6 @@ elements of it. Products are in time order: the left factor runs first, as in eq
 Entries are floats, or exact numbers (`fractions.Fraction`) in arrays of dtype object.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from planner.errors import message
@@ -24,11 +22,11 @@ class Tensor:
 
     levels: tuple[Array, ...]
 
-    def __add__(self, other: Tensor) -> Tensor:
+    def __add__(self, other: "Tensor") -> "Tensor":
         pairs = zip(self.levels, other.levels, strict=True)
         return Tensor(tuple(a + b for a, b in pairs))
 
-    def __mul__(self, other: Tensor) -> Tensor:
+    def __mul__(self, other: "Tensor") -> "Tensor":
         a, b = self.levels, other.levels
         return Tensor(
             tuple(
@@ -40,17 +38,17 @@ class Tensor:
             )
         )
 
-    def divided_by(self, number: int) -> Tensor:
+    def divided_by(self, number: int) -> "Tensor":
         """The series divided by an integer, exact if its entries are."""
         return Tensor(tuple(level / number for level in self.levels))
 
     @property
-    def unit(self) -> Tensor:
+    def unit(self) -> "Tensor":
         """The series 1, with entries of the same type."""
         zeros = [level * 0 for level in self.levels]
         return Tensor((zeros[0] + 1, *zeros[1:]))
 
-    def exp(self) -> Tensor:
+    def exp(self) -> "Tensor":
         """The sum of x^n / n!, for a series x without constant term."""
         self._require_constant(0)
         total = power = self.unit
@@ -59,7 +57,7 @@ class Tensor:
             total = total + power
         return total
 
-    def log(self) -> Tensor:
+    def log(self) -> "Tensor":
         """The sum of (-1)^(n+1) (x - 1)^n / n, for a series x with constant term 1."""
         self._require_constant(1)
         rest = Tensor((self.levels[0] * 0, *self.levels[1:]))

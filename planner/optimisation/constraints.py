@@ -4,8 +4,6 @@ These are the motion within a stage and the distance from the path. Margins tigh
 bounds of constraints where the motion between checked points asks for it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -32,17 +30,17 @@ class Margins:
     inequalities: Array  # least values of the task's in each stage, shape (count, R)
 
     @classmethod
-    def none(cls, task: Task, count: int) -> Margins:
+    def none(cls, task: Task, count: int) -> "Margins":
         """No margins, for a number of stages."""
         return cls(np.ones(count), np.zeros((count, len(task.inequalities))))
 
     @classmethod
-    def joined(cls, parts: Sequence[Margins]) -> Margins:
+    def joined(cls, parts: "Sequence[Margins]") -> "Margins":
         """Margins of consecutive solutions, as those of one solution."""
         shares = np.concatenate([part.shares for part in parts])
         return cls(shares, np.vstack([part.inequalities for part in parts]))
 
-    def enlarged(self, shares: Array, inequalities: Array) -> Margins:
+    def enlarged(self, shares: Array, inequalities: Array) -> "Margins":
         """Margins with smaller shares, shape (count,), and higher bounds (count, R).
 
         Margins that do not change are the same object.

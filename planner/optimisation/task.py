@@ -1,7 +1,5 @@
 """The task of an optimisation, and a solution of it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -71,14 +69,14 @@ class Task:
         return [i for i in swept(self.system, self.stages) if i not in free]
 
     @cached_property
-    def relaxed(self) -> Task:
+    def relaxed(self) -> "Task":
         """The task without soft constraints."""
         strict = tuple(i for i in self.inequalities if not i.relaxed)
         same = strict == self.inequalities
         return self if same else replace(self, inequalities=strict)
 
     @cached_property
-    def rounded(self) -> Task:
+    def rounded(self) -> "Task":
         """The task with the tolerance of the position rounded down, to 16 a decade.
 
         A search for it finds the same stages for all tolerances that are rounded to it,
@@ -87,11 +85,11 @@ class Task:
         return self._rounded_to(PER_DECADE)[0]
 
     @cached_property
-    def rungs(self) -> tuple[Task, ...]:
+    def rungs(self) -> "tuple[Task, ...]":
         """The task with finer rounded tolerances, from beyond `rounded` to its own."""
         return tuple(self._rounded_to(PER_DECADE * FINER)[1:])
 
-    def _rounded_to(self, count: int) -> list[Task]:
+    def _rounded_to(self, count: int) -> "list[Task]":
         """The task with tolerances rounded to so many a decade, from `rounded` on."""
         position, *others = self.tolerances
         if not np.isfinite(position.most):
@@ -157,7 +155,7 @@ class Solution:
     width: float  # least of a corridor with the motion, in tolerances; inf for a guess
 
     @classmethod
-    def joined(cls, parts: Sequence[Solution]) -> Solution:
+    def joined(cls, parts: "Sequence[Solution]") -> "Solution":
         """One solution of several, each of which begins where the last one ends."""
         begin, *rest = parts
         return cls(
@@ -170,7 +168,7 @@ class Solution:
             width=max(part.width for part in parts),
         )
 
-    def rearranged(self, order: Sequence[int], strokes: Array) -> Solution:
+    def rearranged(self, order: Sequence[int], strokes: Array) -> "Solution":
         """A guess with some of the stages in another order and with other strokes.
 
         Stages that are repeated in the order recover nothing the second time.
@@ -186,7 +184,7 @@ class Solution:
             places=np.maximum.accumulate(self.places[ends]),
         )
 
-    def hopped(self, turn: int, rng: np.random.Generator) -> Solution:
+    def hopped(self, turn: int, rng: np.random.Generator) -> "Solution":
         """A guess with a turn of the cycle moved, inserted or removed at random.
 
         The stages that stay keep their strokes, recoveries and states. The solver
@@ -208,7 +206,7 @@ class Solution:
             order[k:k] = moved
         return self.rearranged(order, self.strokes[order])
 
-    def until(self, place: float) -> Solution:
+    def until(self, place: float) -> "Solution":
         """The stages up to the first that ends beyond a place on the path."""
         count = int(np.searchsorted(self.places[1:-1], place)) + 1
         return replace(

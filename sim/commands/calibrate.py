@@ -1,7 +1,5 @@
 """`stratawalk calibrate`: find a robot's servos one at a time, and write its card."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 from collections.abc import Callable, Iterator, Mapping
@@ -111,7 +109,7 @@ def _owned(robot: Robot, folder: RunFolder, options: argparse.Namespace) -> Robo
 
 
 def _calibrated(
-    robot: Robot, kind: ServoKind, folder: RunFolder, ask: _Asker
+    robot: Robot, kind: ServoKind, folder: RunFolder, ask: "_Asker"
 ) -> Mapping[str, str]:
     """Ask for every servo that the card does not have, and write it at once."""
     card, number = robot.card, len(robot.card.joints)
@@ -156,7 +154,7 @@ def _require_room(robot: Robot) -> None:
         raise UsageError.of("unwritten", card, why=why) from error
 
 
-def _clock(ask: _Asker) -> float | None:
+def _clock(ask: "_Asker") -> float | None:
     """The board's clock [Hz]; None where it is not measured."""
 
     def read(text: str) -> float | None:
@@ -173,7 +171,7 @@ def _found(
     kind: ServoKind,
     known: Mapping[str, JointServo],
     divider: int,
-    ask: _Asker,
+    ask: "_Asker",
 ) -> Iterator[tuple[str, JointServo]]:
     """Servos of joints, channel after channel, until every joint has one."""
     taken = {servo.channel for servo in known.values()}

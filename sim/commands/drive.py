@@ -1,7 +1,5 @@
 """`stratawalk drive`: commands for a robot elsewhere, planned from poses it sends."""
 
-from __future__ import annotations
-
 import argparse
 import json
 import os
@@ -161,7 +159,7 @@ class Link:
     began: float | None = None
     last: tuple[float, list[float]] | None = None  # pose
 
-    def send(self, walk: ServedWalk, rows: Iterable[Row]) -> None:
+    def send(self, walk: "ServedWalk", rows: "Iterable[Row]") -> None:
         """Write commands, each when its time has come."""
         for when, angles in rows:
             if self.pace:
@@ -179,7 +177,7 @@ class Link:
                     remedy = "give --commands another name"
                 raise FilesError(what, f"t = {when:.2f} s", remedy) from error
 
-    def reading(self, walk: ServedWalk) -> list[float]:
+    def reading(self, walk: "ServedWalk") -> list[float]:
         """The mean of the poses of a stop, while the robot stands; NaN without any."""
         sensing, stopped = walk.feedback.sensing, walk.time
         found = list[list[float]]()

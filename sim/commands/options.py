@@ -1,7 +1,5 @@
 """What commands share: settings, robots, folders, words."""
 
-from __future__ import annotations
-
 import argparse
 import json
 import os
@@ -30,7 +28,7 @@ PAGES = (".html", ".htm")
 FAR = 5.0  # [m], 20 times the reach of shipped robots; others may mean millimetres
 
 
-def scenario_of(options: argparse.Namespace) -> Scenario:
+def scenario_of(options: argparse.Namespace) -> "Scenario":
     """The scenario that the command line asks for; a UsageError if it cannot be."""
     from sim.scenarios.file import load_scenario, shipped_scenarios
 
@@ -40,7 +38,10 @@ def scenario_of(options: argparse.Namespace) -> Scenario:
     if not known and (meant := command_for(source, options.execute.name)):
         raise UsageError(f"{source!r} is no scenario", "SCENARIO", f"try {meant}")
     overrides = settings_of(options)
-    overrides |= {key: getattr(options, key) for key in given_settings(options)}
+    for key, option in given_settings(options).items():
+        if key in overrides:
+            raise UsageError(f"{key} is given twice", option, "keep one")
+        overrides[key] = getattr(options, key)
     scenario = load_scenario(source, overrides)
     *place, yaw = scenario.path.goal
     tell_radians("yaw", yaw)
@@ -84,15 +85,15 @@ def settings_of(options: argparse.Namespace) -> dict[str, object]:
 
     values: dict[str, object] = {}
     for key, value in map(parse_override, options.set):
-        if key in values or key in given_settings(options):
+        if key in values or (key == "robot" and getattr(options, key, None)):
             raise UsageError(f"{key} is given twice", f"--set {key}", "keep one")
         values[key] = value
     return values
 
 
 def reader_of(
-    options: argparse.Namespace, robot: Robot, scenario: Scenario
-) -> Callable[[Path], Log]:
+    options: argparse.Namespace, robot: "Robot", scenario: "Scenario"
+) -> "Callable[[Path], Log]":
     """What reads a robot's logs, in `--units`; counts and pulses by its servo table."""
     from sim.export.servo_table import servo_table
     from sim.logs.log import read_log
@@ -173,7 +174,7 @@ def require_robot(name: str) -> None:
         raise UsageError(f"{name!r} is a scenario", "ROBOT", f"try {meant}")
 
 
-def robot_of(options: argparse.Namespace, name: str) -> Robot:
+def robot_of(options: argparse.Namespace, name: str) -> "Robot":
     """Load a robot, and say what it took from elsewhere."""
     from models import load
 

@@ -1,7 +1,5 @@
 """What `stratawalk plan` reports: facts under the names of JSON, and a text of them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
@@ -33,7 +31,7 @@ class Accuracy:
     faster: Mapping[str, float | None]
 
     @classmethod
-    def of(cls, problem: Problem, plan: Plan) -> Accuracy:
+    def of(cls, problem: Problem, plan: Plan) -> "Accuracy":
         """The order to expect, and that of what is faster and helps a plan already.
 
         In few segments a plan that converges faster may well miss more.
@@ -65,7 +63,7 @@ class Steps:
     critical: float | None
 
     @classmethod
-    def of(cls, problem: Problem) -> Steps | None:
+    def of(cls, problem: Problem) -> "Steps | None":
         """Steps of a problem; None where it has no way, or is met in any step."""
         start, end = problem.path.at(grid(problem.path, problem.segments)[:2])
         length = float(problem.extended.system.length(end - start))
@@ -91,7 +89,7 @@ class Prospect:
     chained: bool = False  # whether it is steered in chained form, which is exact
 
 
-def of_walk(problem: ScenarioProblem, planned: Plan, prospect: Prospect) -> Report:
+def of_walk(problem: "ScenarioProblem", planned: Plan, prospect: Prospect) -> Report:
     """A scenario's plan, played: facts as in summary.json, with words explained."""
     from sim.optimisation.judging import Judge  # loads MuJoCo, as systems need none
 

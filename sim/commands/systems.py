@@ -1,7 +1,5 @@
 """Systems and scenarios: those shipped, what names one, and what a gait controls."""
 
-from __future__ import annotations
-
 import argparse
 import json
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -90,7 +88,7 @@ def is_system(source: str, others: Collection[str], kind: str = "scenario") -> b
     return True
 
 
-def find(source: str, values: Mapping[str, object]) -> Problem:
+def find(source: str, values: Mapping[str, object]) -> "Problem":
     """The problem of a shipped system, or of a TOML or Python file."""
     from models import load_system, shipped_system
 
@@ -169,15 +167,15 @@ class _Subject:
     """What is judged."""
 
     description: str
-    system: StratifiedSystem
+    system: "StratifiedSystem"
     gait: Sequence[str]
-    start: Array | None  # where to look at it; None for the middle
+    start: "Array | None"  # where to look at it; None for the middle
     elements: Sequence[str]  # that it is steered by; none if nobody said
     strokes: Mapping[str, float]  # of a field, 1 for those left out
     static_stability: Loads  # of a robot, the least load on a foot of each stratum
 
 
-def _costs(subject: _Subject, found: Controllability) -> Sequence[DirectionCost]:
+def _costs(subject: _Subject, found: "Controllability") -> "Sequence[DirectionCost]":
     """What each direction costs in strokes; nothing where that cannot be said."""
     from planner import PlannerError, choose_elements
     from planner.extension import stroke_costs

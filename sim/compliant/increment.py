@@ -12,8 +12,6 @@ begin. The robot's momentum as one body is part of the balance: it is hardly fel
 makes the equilibrium unique.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -53,7 +51,7 @@ class State(Lanes):
     bent: Array  # joints off their commands by loads, (B, F, J) [rad]
     gap: Array  # of every point above the floor, (B, F, K) [m]
 
-    def put(self, which: Array, new: State) -> State:
+    def put(self, which: Array, new: "State") -> "State":
         """The same with other states in the lanes that are marked, (B,), bool."""
 
         def mixed(old: Array, value: Array) -> Array:

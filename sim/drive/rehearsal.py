@@ -1,9 +1,14 @@
-"""Rehearsals: the torques that a walk takes, walked or predicted beforehand.
+"""What commands depend on: torques that a walk takes, and practice with slack.
 
-Either is made on very stiff servos and without the imperfections of the walking robot,
-stretch by stretch.
+Torques are walked or predicted beforehand, on very stiff servos and without the
+imperfections of the walking robot, stretch by stretch.
+
+A tripod has one free motion, about its pivot, which its swing servos alone hold. Loads
+push it across dead bands and backlash, and the yaw adds up. A robot with the assumed
+slack walks each stretch several times, and commands shift by a part of what is missed.
 """
 
+from copy import copy
 from dataclasses import replace
 
 import numpy as np
@@ -12,10 +17,15 @@ from planner import Array
 from sim.compliant.prediction import Leg, course_of, phases_of
 from sim.drive.drive import Allowed, Drive
 from sim.drive.feed_forward import FeedForward, smoothed, stiffened
-from sim.drive.practice import Practice
+from sim.motion.poses import wrap
 from sim.motion.schedule import Schedule
 from sim.physics.engine import Engine
 from sim.preparation.setup import Setup
+from sim.world.imperfections import BACKLASH, turned
+
+TURNS = 8  # of practice, at most: they need not converge, and the best is taken
+WELL_MET = 0.002  # of the reach, that a turn may miss the end by for practice to end
+PART = 0.7  # of what was missed, that is added after a turn
 
 
 class Rehearsal:
@@ -58,6 +68,77 @@ class Foreseen:
         real = anatomy.axis.any(axis=-1)
         torques[:, anatomy.actuator[real]] = found[:, real]
         return smoothed(torques, dt)
+
+
+class Practised:
+    """A robot that walks stretches to find the angles of its legs, slack included."""
+
+    def __init__(self, setup: Setup) -> None:
+        self.setup = setup
+        self.drive, self.engine = Drive(setup), Engine(setup.model)
+
+    def walk(
+        self, schedule: Schedule, made: FeedForward | None, shifts: FeedForward | None
+    ) -> tuple[FeedForward, Array]:
+        """Angles of all leg joints along a schedule, and the pose after it."""
+        model, joints = self.setup.model, self.setup.robot.card.joints
+        rows = [
+            turned(model, qpos, joints, BACKLASH)
+            for ctrl in self.drive.commands(schedule, made, practised=shifts)
+            for qpos in [self.engine.advance(ctrl).qpos]
+        ]
+        pose = self.setup.pose(self.engine.state.qpos)
+        return smoothed(np.concatenate(rows), self.setup.limits.timestep), pose
+
+
+class Practice:
+    """A robot with slack that practises to walk like one without."""
+
+    def __init__(self, setup: Setup) -> None:
+        assumed, joints = setup.scenario.as_assumed, len(setup.robot.card.joints)
+        self._tight = Practised(setup.as_planned)
+        self._loose = Practised(setup.with_imperfections(assumed))
+        self._width = np.broadcast_to(assumed.dead_band, joints) + assumed.backlash
+        self._shift = _half_counts(setup, self._width)
+
+    def shifts(self, schedule: Schedule, made_up: FeedForward | None) -> FeedForward:
+        """What to add to the commands of a schedule, (J,) [rad], at most the slack.
+
+        It is that of the turn which ends nearest to the robot without slack.
+        """
+        wanted, goal = self._tight.walk(schedule, made_up, None)
+        loose, reach = self._loose, self._loose.setup.kinematics.reach
+        began, drive = loose.engine.moment, loose.drive
+        shift, tried = np.zeros_like(wanted.values), []
+        for turn in range(TURNS):
+            loose.engine.rewind(began)
+            loose.drive = copy(drive)
+            shifts = replace(wanted, values=shift)
+            reached, pose = loose.walk(schedule, made_up, shifts)
+            off = pose - goal
+            miss = float(np.hypot(*off[:2]) + reach * abs(wrap(off[2])))
+            tried.append((miss, shifts, loose.engine.moment, loose.drive))
+            if turn and miss <= WELL_MET * reach:
+                break
+            missed = wanted.values + self._shift - reached.values
+            shift = np.clip(shift + PART * missed, -self._width, self._width)
+        _, best, moment, loose.drive = min(tried[1:], key=lambda one: one[0])
+        loose.engine.rewind(moment)
+        return best
+
+
+def _half_counts(setup: Setup, width: Array) -> Array:
+    """Half a count for each swing joint whose slack is nearer to an odd number, (J,).
+
+    A joint rests at half its slack from its command; strokes end on whole counts.
+    """
+    robot, resolution = setup.robot, setup.servo.resolution
+    shift = np.zeros(len(width))
+    if resolution:
+        swings = [robot.card.joints.index(joint) for joint in robot.swing_joints]
+        odd = np.round(width[swings] / resolution) % 2
+        shift[swings] = odd * resolution / 2 * np.sign(robot.swing_gain)
+    return shift
 
 
 def rehearsal_of(setup: Setup) -> Rehearsal | Foreseen | None:

@@ -15,6 +15,7 @@ from sim.motion.poses import seen_from
 
 Numbers = tuple[float, ...]
 LARGEST = 1e9  # number of a stop
+UNKNOWN = np.diag([0.02, 0.02, 0.05]) ** 2  # of a b of which hardly anything is known
 FLAT = 1e-6  # singular values below it, as a share of the largest, are none
 POSE = ("x", "y", "yaw")
 NAMES = {  # of the columns of feedback.csv, by the fields of a stop in their order
@@ -124,8 +125,9 @@ class Followed:
     def bound(self) -> tuple[float, float]:
         """Least error of position [m] and yaw [rad] that any estimator could have had.
 
-        It is one that foreknew as much of b, and A in whole. Scatter is what they
-        missed beside the best affine function of what was meant.
+        That estimator knows A, and as much of b beforehand as the filter, if this one
+        learns. Scatter is what segments missed beside the best affine function of what
+        was meant.
         """
         meant = np.array([stop.meant for stop in self.stops])
         poses = np.array([np.zeros(3), *(stop.true for stop in self.stops)])
@@ -139,4 +141,4 @@ class Followed:
         seen = np.array([stop.seen for stop in self.stops])
         seconds = np.array([stop.seconds for stop in self.stops])
         told = self.feedback.sensing, meant, seen, scatter, seconds
-        return bound(*told, self.feedback.foreknown)
+        return bound(*told, self.feedback.foreknown if self.learns else UNKNOWN)

@@ -1,7 +1,5 @@
 """The style of figures: sizes for print, and drawing that several of them share."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
@@ -47,7 +45,7 @@ STYLE = palette.style_of("figures")
 
 def sheet_of(
     mosaic: str, height: float, options: Style | None = None
-) -> tuple[Figure, dict[str, Axes]]:
+) -> "tuple[Figure, dict[str, Axes]]":
     """An empty figure of the page's width, its panels by their letters."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -58,7 +56,7 @@ def sheet_of(
     return figure, axes
 
 
-def plain_decades(*axes: Axis, subs: tuple[int, ...] = (1, 2, 5)) -> None:
+def plain_decades(*axes: "Axis", subs: tuple[int, ...] = (1, 2, 5)) -> None:
     """Logarithmic axes with 1, 2 and 5 of every decade written out, or those given."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
@@ -68,7 +66,7 @@ def plain_decades(*axes: Axis, subs: tuple[int, ...] = (1, 2, 5)) -> None:
         axis.set_minor_formatter(NullFormatter())
 
 
-def draw_walk(axes: Axes, walked: Walked, scale: float = MM) -> None:
+def draw_walk(axes: "Axes", walked: "Walked", scale: float = MM) -> None:
     """Physics as a broad line, both predictions on it, and the nominal path on top."""
     for name, style in PATHS.items():
         axes.plot(*(scale * walked.pose[name][:, :2].T), **style)
@@ -83,7 +81,7 @@ def extremes(values: Array, segment: Array) -> tuple[Array, Array]:
 
 
 def band(
-    axes: Axes, low: Array, high: Array, colour: str, alpha: float, label: str
+    axes: "Axes", low: Array, high: Array, colour: str, alpha: float, label: str
 ) -> None:
     """Fill between extremes of segments; a line through all values would be a comb."""
     segment = np.arange(1, len(low) + 1)

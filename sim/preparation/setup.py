@@ -1,7 +1,5 @@
 """Setups: robot, equations, model and limits, decided before the first step."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
@@ -61,16 +59,16 @@ class Setup:
         return id(self.model)
 
     @cached_property
-    def as_planned(self) -> Setup:
+    def as_planned(self) -> "Setup":
         """The same without imperfections, as predictions and rehearsals have it."""
         return self.with_imperfections(self.scenario.as_planned)
 
     @cached_property
-    def as_known(self) -> Setup:
+    def as_known(self) -> "Setup":
         """The same with what the compliant prediction knows of the imperfections."""
         return self.with_imperfections(self.scenario.as_known)
 
-    def with_imperfections(self, scenario: Scenario) -> Setup:
+    def with_imperfections(self, scenario: Scenario) -> "Setup":
         """The same robot in the world of a scenario with other imperfections."""
         own = self.scenario
         if all(getattr(own, n) == getattr(scenario, n) for n in IMPERFECTIONS):
@@ -178,7 +176,7 @@ class Setup:
         angles = np.zeros(groups) if swing is None else np.array(swing)
         return np.concatenate([pose, angles, np.zeros(groups)])
 
-    def recut(self, cuts: Array) -> Setup:
+    def recut(self, cuts: Array) -> "Setup":
         """The same setup, its path divided at the cuts and nowhere else."""
         path = self.scenario.path.recut(cuts)
         scenario = replace(self.scenario, path=path, segments=len(cuts) - 1)

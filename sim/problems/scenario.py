@@ -1,7 +1,5 @@
 """The problem of a scenario: a robot that is to walk along a path."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import replace
@@ -60,7 +58,7 @@ class ScenarioProblem(Problem):
         progress: Progress = silent,
         shared: Shared | None = None,
         undivided: Scenario | None = None,
-        centre: ScenarioProblem | None = None,
+        centre: "ScenarioProblem | None" = None,
     ) -> None:
         scenario = setup.scenario
         self.scenario = undivided or scenario
@@ -75,7 +73,7 @@ class ScenarioProblem(Problem):
     @classmethod
     def ready(
         cls, setup: Setup, progress: Progress = silent, shared: Shared | None = None
-    ) -> ScenarioProblem:
+    ) -> "ScenarioProblem":
         """The problem of a setup, with a path that its robot can follow within bounds.
 
         Paths that are too long, out of reach, or within no bounds are refused.
@@ -92,7 +90,7 @@ class ScenarioProblem(Problem):
             problem.stratified = planned
         return problem
 
-    def beside(self, goal_offset: GoalOffset) -> ScenarioProblem:
+    def beside(self, goal_offset: GoalOffset) -> "ScenarioProblem":
         """The same problem, aimed a step beside the goal: x, y [m] and yaw [rad]."""
         if not any(goal_offset):
             return self.centre
@@ -160,7 +158,7 @@ class ScenarioProblem(Problem):
         end = play(plan.system, plan.flows, self.path(0.0))[-1]
         return miss_of(self.setup, end[:3], np.array(self.setup.scenario.path.goal))
 
-    def changed(self, degree: int = 0, **options: object) -> ScenarioProblem:
+    def changed(self, degree: int = 0, **options: object) -> "ScenarioProblem":
         """The same problem with another degree, words, segments or replanning."""
         if "replan" in options:
             options |= {"optimise": "none", "correct": 1}

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import chain
+from itertools import chain, repeat
 
 import numpy as np
 
@@ -115,7 +115,6 @@ def _drift(runs: Sequence[Run], prediction: str = "") -> Table:
         parts.append({name: number(length, 2) for name, length in sums})
     what = "the ideal prediction" if prediction else best_of(runs)
     kinds = dict.fromkeys(chain(*parts))
-    whole = [run.summary.replan and "replanned" for run in runs]
-    cells = [*zip(parts, whole, strict=True)]
-    rows = [(k, *(p.get(k, (not p and w) or NONE) for p, w in cells)) for k in kinds]
+    blank = ["replanned" if run.summary.replan else NONE for run in runs]
+    rows = [(k, *map(dict.get, parts, repeat(k), blank)) for k in kinds]
     return Table((f"off {what}, by phase [mm]", *names(runs)), rows)

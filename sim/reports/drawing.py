@@ -4,8 +4,6 @@ Curves of whole walks would be solid combs: they have bands of their extremes, a
 where the page is zoomed. Text remains text, whose size the page sets.
 """
 
-from __future__ import annotations
-
 import io
 import logging
 import re
@@ -48,7 +46,7 @@ class Key:
     filled: bool = False
 
     @classmethod
-    def of(cls, mark: palette.PathMark, label: str) -> Key:
+    def of(cls, mark: palette.PathMark, label: str) -> "Key":
         """The entry of a path under a label of this drawing."""
         return cls(label, mark.colour.hex, mark.dashes)
 
@@ -67,7 +65,7 @@ class Drawing:
 
 
 @contextmanager
-def sheet(height: float, width: float = PAGE_WIDTH) -> Iterator[tuple[Figure, Axes]]:
+def sheet(height: float, width: float = PAGE_WIDTH) -> "Iterator[tuple[Figure, Axes]]":
     """An empty figure, its sides [in] and its axes where the page expects them."""
     logging.getLogger("matplotlib.font_manager").setLevel(logging.ERROR)
     from matplotlib import rc_context
@@ -84,7 +82,7 @@ def sheet(height: float, width: float = PAGE_WIDTH) -> Iterator[tuple[Figure, Ax
         yield figure, axes
 
 
-def finish(figure: Figure, heading: str, keys: list[Key], note: str = "") -> Drawing:
+def finish(figure: "Figure", heading: str, keys: list[Key], note: str = "") -> Drawing:
     """Turn a figure into a drawing."""
     axes = figure.axes[0]
     axes.apply_aspect()
@@ -116,7 +114,7 @@ def extremes_between(values: Array, starts: Array) -> tuple[Array, Array]:
     return np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)
 
 
-def add_band(axes: Axes, edges: Array, low: Array, high: Array, colour: str) -> None:
+def add_band(axes: "Axes", edges: Array, low: Array, high: Array, colour: str) -> None:
     """Fill between the extremes of stretches, whose edges are one more than they."""
     from matplotlib.colors import to_rgb
 

@@ -1,7 +1,5 @@
 """Paths in plan view, and errors along and across the nominal path."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import cycle, product
 from typing import TYPE_CHECKING
@@ -60,7 +58,7 @@ def plan_view(run: Run) -> Drawing:
         return finish(figure, "Path of the body's centre, x and y [mm]", keys, note)
 
 
-def _draw_headings(axes: Axes, run: Run) -> None:
+def _draw_headings(axes: "Axes", run: Run) -> None:
     """Arrows on the achieved path, where segments begin and at its end."""
     poses = run.achieved[np.append(stretches(run), -1)]
     every = np.linspace(0, len(poses) - 1, min(ARROWS, len(poses))).round().astype(int)
@@ -135,7 +133,7 @@ def overlaid(runs: Sequence[tuple[str, Run]]) -> Iterator[Drawing]:
             yield finish(figure, f"Distance from {what} [mm]", names, NOTES["shares"])
 
 
-def _draw_place(axes: Axes, run: Run) -> list[Key]:
+def _draw_place(axes: "Axes", run: Run) -> list[Key]:
     for outline in run.obstacles:
         axes.fill(*(MM * outline.T), color=palette.OBSTACLE.hex, lw=0)
     axes.plot(*(MM * run.nominal[:, :2].T), **palette.NOMINAL.line())

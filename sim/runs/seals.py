@@ -17,7 +17,7 @@ FREE = {k for k, s in SETTINGS.items() if s.affects <= {"label", "film", "refusa
 TOLD = ("seals", "timing")  # of summary.json; a film that is drawn takes time
 TABLES = ("scenario.toml", "summary.json")  # of which parts may change
 WHOLE = ("commands.npz", "trajectory.npz", "flows.csv", "feedback.csv")
-LARGEST_SEALED = 4 * 10**9  # bytes of a file, for which seconds are enough
+LARGEST_SEALED = 4 * 10**9  # bytes of a file, which take seconds to digest
 
 
 def seals(
@@ -28,8 +28,8 @@ def seals(
 ) -> dict[str, str | None]:
     """Seals of a run's files, from what two of them hold.
 
-    Copies are further ones, of the robot. Those that the summary has sealed are among
-    them, but for the model.
+    Copies are the robot's files. A summary that has seals names its own ones, which are
+    sealed again, all but the model.
     """
     tables = _seal_of_table(scenario, FREE), _seal_of_table(summary, TOLD)
     told = summary.get("seals")
@@ -42,7 +42,7 @@ def seals(
 
 
 def seal(path: Path) -> str | None:
-    """Digest of a file; None if it is none, or too large."""
+    """Digest of a file; None if there is no such file, or it is too large."""
     if not path.is_file() or path.stat().st_size > LARGEST_SEALED:
         return None
     with open_file(path) as file:

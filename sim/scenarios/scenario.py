@@ -1,7 +1,5 @@
 """A scenario: which robot walks which nominal path, with which settings."""
 
-from __future__ import annotations
-
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from math import pi, radians
@@ -116,7 +114,7 @@ class Scenario(Settings):
         return tuple((name, repr(getattr(self, name))) for name in own)
 
 
-def drawn(scenario: Scenario, robot: Robot) -> Scenario:
+def drawn(scenario: Scenario, robot: "Robot") -> Scenario:
     """The scenario with what its robot's card and `imperfect` say as its settings.
 
     What was fitted to logs of the robot takes the place of settings that nobody names.
@@ -148,7 +146,7 @@ def drawn(scenario: Scenario, robot: Robot) -> Scenario:
     return replace(found, known=tuple(kept) or "none")
 
 
-def _fitted(scenario: Scenario, robot: Robot) -> Scenario:
+def _fitted(scenario: Scenario, robot: "Robot") -> Scenario:
     card, known = f"the card of {robot}", (*FITTED, "source", "errors")
     found: dict[str, Any] = {}
     for key, value in robot.card.fitted.items():

@@ -3,8 +3,6 @@
 A page has them in classes that are fitted to the data, with the best and worst walks.
 """
 
-from __future__ import annotations
-
 import json
 import os
 from collections import defaultdict
@@ -65,7 +63,7 @@ def draw_maps(results: Results, folder: Path) -> list[Path]:
 
 def figures(
     results: Results, fonts: str = "path"
-) -> Iterator[tuple[tuple[str, ...], Figure]]:
+) -> "Iterator[tuple[tuple[str, ...], Figure]]":
     """Settings and map of every two that vary, or of one, for SVG with its fonts."""
     import matplotlib as mpl
 
@@ -132,7 +130,7 @@ def _points(results: Results, points: Sequence[int], folder: Path, base: str) ->
         rows.append((str(number), f"{off:.3g} %", str(word), *cells, link))
     last = "report or command"
     if scenario == UNSHIPPED:
-        last += f", where {UNSHIPPED} is to have the table scenario of sweep.json"
+        last += f" ({UNSHIPPED}: asked.scenario of sweep.json)"
     return Table(("point", "farthest off", "verdict", *results.keys, last), rows)
 
 
@@ -151,7 +149,7 @@ def _walked(results: Results) -> str:
     return name if same else UNSHIPPED
 
 
-def _draw_map(axes: Axes, results: Results, across: str, up: str) -> None:
+def _draw_map(axes: "Axes", results: Results, across: str, up: str) -> None:
     """The worst of the points at each place: its class, and how far it was off."""
     from matplotlib.patches import Rectangle
 
@@ -195,7 +193,7 @@ def _shades(results: Results) -> list[Colour]:
     return [*shades, *OUTCOMES[len(LIMITS) :]]
 
 
-def _draw_curve(axes: Axes, results: Results, key: str) -> None:
+def _draw_curve(axes: "Axes", results: Results, key: str) -> None:
     from matplotlib.ticker import LogLocator
 
     x = _place(axes, results, key, "x")
@@ -213,7 +211,7 @@ def _draw_curve(axes: Axes, results: Results, key: str) -> None:
     axes.set_title(f"off the {results.label} prediction")
 
 
-def _place(axes: Axes, results: Results, key: str, way: str) -> list[float]:
+def _place(axes: "Axes", results: Results, key: str, way: str) -> list[float]:
     """Where the points are along an axis, which is named and scaled for its setting."""
     values = results.columns[key]
     getattr(axes, f"set_{way}label")(_named(key))
@@ -257,7 +255,7 @@ def _label(value: object) -> str:
     return text if len(text) <= LONGEST_LABEL else f"{text[:20]} ... {text[-20:]}"
 
 
-def _legend(axes: Axes, results: Results) -> None:
+def _legend(axes: "Axes", results: Results) -> None:
     from matplotlib.lines import Line2D
 
     classes = zip(results.counts.items(), _shades(results), strict=True)

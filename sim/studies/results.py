@@ -6,8 +6,6 @@ decomposition: the variance of the means of groups of equal values over the whol
 exact where the points fill a grid, else estimated with groups of neighbouring values.
 """
 
-from __future__ import annotations
-
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -93,13 +91,13 @@ class Results:
         counted: Array = np.bincount(self.classes, minlength=len(names))
         return dict(zip(names, counted.tolist(), strict=True))
 
-    def predicted(self) -> Results:
+    def predicted(self) -> "Results":
         """The same without walks for which the prediction could not be made."""
         kept = np.isfinite(self.off) | (self.classes >= FELL)
         columns = {k: [*compress(some, kept)] for k, some in self.columns.items()}
         return replace(self, columns=columns, left_out=int((~kept).sum()))
 
-    def fitted(self) -> Results:
+    def fitted(self) -> "Results":
         """The same with round limits above each third of those that walked."""
         off = self.off[self.classes < FELL]
         if not len(off):

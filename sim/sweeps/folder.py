@@ -5,8 +5,6 @@ process at a time works on them. The system lets go of a lock when its owner end
 however it ends; the lock of a process that is gone is therefore never in the way.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import re
@@ -84,7 +82,7 @@ class About:
         _ = self.sweep
 
     @classmethod
-    def of(cls, sweep: Sweep) -> About:
+    def of(cls, sweep: Sweep) -> "About":
         """What a sweep is about, with the software of today."""
         vary = {
             SIDE_BY_SIDE.join(keys): [one if keys[1:] else one[0] for one in choices]
@@ -99,7 +97,7 @@ class About:
         return cls(json.loads(json.dumps(asked)), software())
 
     @classmethod
-    def read(cls, path: Path) -> About | None:
+    def read(cls, path: Path) -> "About | None":
         """What the sweep of a folder is about; None where nothing says so yet."""
         with telling("cannot be read", path, "choose another folder"):
             try:
@@ -125,7 +123,7 @@ class About:
         without = left_out(self.asked["without"])
         return Sweep("merged", scenario, fixed, tuple(blocks), without)
 
-    def differences(self, other: About) -> list[str]:
+    def differences(self, other: "About") -> list[str]:
         """What another sweep is about instead, as `key: value, now value`."""
         software = differences(self.software, other.software)
         return differences(self.asked, other.asked) + software

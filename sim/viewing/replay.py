@@ -110,6 +110,7 @@ class _Robot:
     def _add(self, body: int) -> FrameHandle:
         model, name = self._model, f"/robot/{body}"
         frame = self._scene.add_frame(name, show_axes=False)
+        of_body = model.body_weldid[body] == self._root
         for geom in np.flatnonzero(model.geom_bodyid == body):
             *colour, opacity = model.geom_rgba[geom]
             if opacity == 0 or (mesh := mesh_of(model, int(geom))) is None:
@@ -120,9 +121,7 @@ class _Robot:
                 corners,
                 faces,
                 color=tuple(int(255 * c) for c in colour),
-                opacity=TORSO
-                if model.body_weldid[body] == self._root
-                else float(opacity),
+                opacity=TORSO if of_body else float(opacity),
                 wxyz=model.geom_quat[geom],
                 position=model.geom_pos[geom],
             )

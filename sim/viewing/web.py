@@ -5,8 +5,6 @@ browser elsewhere comes through a tunnel. It answers those who have the address 
 page, in which there is a token.
 """
 
-from __future__ import annotations
-
 import logging
 import socket
 from collections.abc import Callable
@@ -87,7 +85,7 @@ def _launch(
     bound: socket.socket,
     access: Access,
     started: Callable[[], object],
-) -> ViewerHandle:
+) -> "ViewerHandle":
     """Start the viewer in a thread; its handle."""
     from mujoco.studio import launch_thread, ux, viewer_protocol, web_viewer
     from mujoco.studio.app import App
@@ -106,7 +104,7 @@ def _launch(
     def own(port: int) -> OwnSocket:
         return OwnSocket(fileno=bind(port).detach())
 
-    def show(endpoint: ViewerEndpoint) -> None:
+    def show(endpoint: "ViewerEndpoint") -> None:
         # The viewer offers no choice of the interface that it listens on, of those who
         # are answered, nor silence; it keeps its layout in the person's home.
         with (

@@ -43,7 +43,7 @@ class _Plane:
     out_of_reach: list[str]  # feet that can never touch it
 
     def __str__(self) -> str:
-        return f"plane {self.geom.name!r}" if self.geom.name else "its unnamed plane"
+        return f"plane {self.geom.name!r}"
 
 
 SOLVING = (  # options of which a robot's file has no say: how exact the physics is
@@ -69,8 +69,8 @@ def floor_pairs(spec: mujoco.MjSpec, robot: Robot) -> list[mujoco.MjsPair]:
 def ensure_floor(spec: mujoco.MjSpec, robot: Robot) -> Floor:
     """The plane to stand on, with the contact of the shipped scene's floor.
 
-    It is the highest horizontal plane that all feet can touch, in the world itself and
-    no other body; the shipped scene joins a robot that has none. A plane that is
+    It is the highest horizontal plane that all feet can touch, which is moved into the
+    world's own body; the shipped scene joins a robot that has none. A plane that is
     neither floor nor wall is refused.
     """
     for pair in floor_pairs(spec, robot):
@@ -88,7 +88,6 @@ def ensure_floor(spec: mujoco.MjSpec, robot: Robot) -> Floor:
         return _join_scene(spec, feet)
     plane = max(floors, key=lambda p: p.place[2])
     floor, own = _in_world(spec, plane), scene().geom("floor")
-    floor.name = floor.name or "floor"
     floor.solref, floor.solimp, floor.condim = own.solref, own.solimp, own.condim
     floor.priority = 1 + max(0, *(foot.priority for foot in feet))
     return Floor(str(floor.name), float(plane.place[2]))

@@ -59,7 +59,7 @@ def add_imperfections(
 
 
 def _add_payload(spec: mujoco.MjSpec, robot: Robot, mass: float, *place: float) -> None:
-    """Add a small sphere that weighs this, whatever a file says of what has mass."""
+    """Add a sphere that weighs this, whatever has mass in a file (but `boundmass`)."""
     compiler, size = spec.compiler, 0.005
     if (total := compiler.settotalmass) > 0:  # the engine scales all masses to this sum
         compiler.settotalmass = -1

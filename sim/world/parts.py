@@ -4,12 +4,12 @@ from typing import Any
 
 import mujoco
 
-ADDED = "actuator", "geom", "joint", "light", "material", "mesh"  # kinds of parts
+ADDED = "actuator", "geom", "joint", "light", "material", "mesh"  # to a file
 OWN = {"classname", "info", "name"}  # what each part has of its own
 
 
 def copy_settings(part: Any, other: Any) -> None:
-    """Set a part as another of its kind, which is of the same specification or none."""
+    """Set a part as another of its kind."""
     members = vars(type(part)).items()
     settings = {name for name, member in members if getattr(member, "fset", None)}
     for name in settings - OWN:

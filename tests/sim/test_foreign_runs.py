@@ -95,9 +95,10 @@ def test_the_robot_of_a_run_is_the_one_that_walked(edited, tmp_path, capsys, fil
         assert main([words[0], str(folder), *words[1:]]) == 2
         assert "of different walks, or were changed" in capsys.readouterr().err
     (folder / file).write_bytes(kept)
-    for name in ("../../proc/kcore", "/dev/zero", "robot"):  # which nobody opens
+    (tmp_path / "outside").write_text("of somebody else")
+    for name in ("../outside", str(tmp_path / "outside")):  # which nobody opens
         told = json.loads((folder / "summary.json").read_text())
-        told["seals"][name] = None
+        told["seals"][name] = "0"
         (folder / "summary.json").write_text(json.dumps(told))
     assert main(["show", str(folder), "--no-browser"]) == 0
 

@@ -17,8 +17,7 @@ from sim.drive.feed_forward import (
     smoothed,
     stiffened,
 )
-from sim.drive.practice import _half_counts
-from sim.drive.rehearsal import Foreseen
+from sim.drive.rehearsal import Foreseen, _half_counts
 from sim.errors import SimulationError, UsageError
 from sim.motion.schedule import Scheduler
 from sim.preparation.setup import prepare

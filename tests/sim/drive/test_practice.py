@@ -9,8 +9,7 @@ import pytest
 from planner.systems.flows import Flow
 from sim.drive.drive import Drive
 from sim.drive.feed_forward import FeedForward
-from sim.drive.practice import Practice, Practised
-from sim.drive.rehearsal import Beforehand
+from sim.drive.rehearsal import Beforehand, Practice, Practised
 from sim.motion.schedule import Scheduler
 from sim.preparation.setup import prepare
 from sim.scenarios.file import load_scenario

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sim.drive.feed_forward import FeedForward
-from sim.drive.practice import Practice
+from sim.drive.rehearsal import Practice
 
 PART = 0.7  # of what was missed, that is added after a turn
 TURNS = 8  # of practice, at most: they need not converge, and the best is taken

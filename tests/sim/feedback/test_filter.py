@@ -5,8 +5,16 @@ from math import radians
 import numpy as np
 import pytest
 
-from sim.feedback.filter import STATES, Feedback, Learnt, Misses, bound
+from sim.feedback.filter import (
+    NONE_MISSED,
+    STATES,
+    Feedback,
+    Learnt,
+    Misses,
+    bound,
+)
 from sim.feedback.sensing import Sensing, Sensor
+from sim.feedback.stops import Followed, stop_after
 from sim.motion.poses import compose, wrap
 
 CAMERA = Sensing(position=2e-3, yaw=radians(1.0))
@@ -239,3 +247,16 @@ def test_no_filter_claims_less_than_the_bound_whatever_it_knew_beforehand(
     assert (np.array(claimed) >= least).all()
     if not learnt:
         assert claimed == pytest.approx(least, rel=0.15)
+
+
+def test_what_a_filter_that_learns_nothing_takes_for_certain_is_not_foreknown():
+    """It assumes that segments miss nothing, and the robot's may miss much."""
+    stops = []
+    for learns in (True, False):
+        misses = Misses() if learns else NONE_MISSED
+        feedback = Feedback(CAMERA, 0.2, misses)
+        told = (0, 1.0, 1.0, MEANT, np.append(MEANT, np.nan), MEANT)
+        stops.append(Followed((stop_after(feedback, *told),), feedback, learns).bound)
+    (near, _), (far, _) = stops
+    assert near < 0.3 * far
+    assert far == pytest.approx(0.02 * np.sqrt(2), rel=0.02)

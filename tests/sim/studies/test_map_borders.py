@@ -51,7 +51,7 @@ def test_points_have_the_command_that_walks_them_or_their_report(tmp_path):
     asked = {"set": {"friction": 0.5}, "scenario": own}
     some = replace(results([0.0123456, 0.2]), asked=asked)
     shown = _points(some, [1, 0], tmp_path, "there")
-    assert "is to have the table scenario of sweep.json" in shown.header[-1]
+    assert "(SCENARIO.toml: asked.scenario of sweep.json)" in shown.header[-1]
     rows = shown.rows
     number, off, word, value, command = rows[1]
     assert (number, off, word, value) == ("0", "1.23 %", "arrived", "0.0")

@@ -237,13 +237,15 @@ def test_marks_of_films_keep_their_colours_and_lie_on_the_floor(
 ):
     grey = '><geom rgba="0.5 0.1 0.1 1" group="4"/><light active="false"/>'
     dark = '<headlight active="0" ambient'
-    robot = edited(DEFAULTS, DEFAULTS.replace(">", grey, 1), "<headlight ambient", dark)
+    low = '<geom name="floor" pos="0 0 -0.05"'
+    edits = "<headlight ambient", dark, '<geom name="floor"', low
+    robot = edited(DEFAULTS, DEFAULTS.replace(">", grey, 1), *edits)
     file, given = tmp_path / "hexapod.xml", scenario(bumps=0.004)
     model = prepare(given, load(str(file))).model
     walk = SimpleNamespace(
         model_file=file, model=model, reach=0.2, card=robot.card, scenario=given
     )
-    assert floor_height(walk) == pytest.approx(0.0)  # where the bumps' tops are
+    assert floor_height(walk) == pytest.approx(-0.05)  # where the bumps' tops are
     line = np.array([[0.0, 0.0], [0.1, 0.0]])
     mark = Mark("path", ribbon(line, np.zeros(2, int), 0.01), palette.ACHIEVED.colour)
     shown = build_scene(walk, [mark], LOOKS["draft"])

@@ -55,6 +55,7 @@ def test_what_is_added_takes_nothing_from_a_file_s_defaults(edited, hexapod, sce
     assert own.joint("swing_1").frictionloss == 0.3  # the file's own parts keep theirs
     assert added_parts(own) == usual
     assert usual["obstacle_2_1", "rbound"][0] > 0.2
+    assert not own.actuator_delay[own.actuator("band_lift_2").id]
     assert own.geom("floor").condim == 3  # feet would slide on it as on ice
 
 
