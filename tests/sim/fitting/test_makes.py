@@ -1,0 +1,61 @@
+"""Servos of one make are found from a card that is far off, or are not told at all."""
+
+import numpy as np
+import pytest
+
+from sim.fitting.fitting import fit_servos, servos
+from sim.fitting.makes import ALIKE, MAKE, one_make, shared_make
+from sim.fitting.servo_law import Commanded
+
+STEP, LASTING, JOINTS, NOISE = 0.008, 8.0, 3, np.radians(0.05)
+
+
+def moving(truth, fastest, load=0.02):
+    """Smooth motion of joints on servos of one make, and what was measured of it."""
+    rng = np.random.default_rng(3)
+    time = np.arange(0, LASTING, STEP)[:, None]
+    pace, phase = rng.uniform(0.3, 1, JOINTS) * fastest, rng.uniform(0, 6, JOINTS)
+    angle = 0.2 * np.minimum(time, 1) * np.sin(2 * np.pi * pace * time + phase)
+    borne, inertia = load * np.cos(3 * time + phase), np.full(JOINTS, 0.002)
+    log = Commanded(STEP, angle, borne, inertia, inertia)
+    rows = np.arange(0, LASTING - 0.1, STEP)
+    seen = log.answers(truth[None], rows)[0]
+    return log, rows, seen + rng.normal(0, NOISE, seen.shape)
+
+
+def make_of(stiffness, damping, band):
+    truth = servos(np.full(JOINTS, stiffness), np.full(JOINTS, damping))
+    truth[:, 2] = band * np.random.default_rng(1).uniform(size=JOINTS)
+    truth[:, 4] = np.linspace(-0.01, 0.01, JOINTS)
+    truth[:, 5] = 0.02
+    return truth
+
+
+@pytest.fixture(scope="module")
+def cards():
+    return servos(np.full(JOINTS, 1000.0), np.full(JOINTS, 2.8))
+
+
+@pytest.mark.parametrize(("band", "fastest"), [(0.01, 2.2), (0, 0.5)])
+def test_a_make_is_found_within_its_errors_from_a_card_that_is_far_off(
+    cards, band, fastest
+):
+    truth = make_of(40.0, 0.78, band)
+    log, rows, seen = moving(truth, fastest)
+    each = fit_servos(log, rows, seen, cards)
+    make, own, whole = shared_make([(log, rows, seen)], cards, each)
+    off = np.abs(make.value[0] - truth[0, MAKE])[ALIKE]
+    assert (off < 3.5 * make.error[0, ALIKE]).all()
+    assert make.error[0, 0] < 0.2  # of the logarithm, of which 1 was expected
+    assert whole[:, 0] == pytest.approx(make.value[0, 0])
+    apart = np.abs(own.value[:, 1] - truth[:, 4]) / own.error[:, 1]
+    assert apart.max() < 4  # zeros, of which each joint has its own
+    alone, _, _ = one_make(each)  # around estimates of their own, which the card pulls
+    assert alone.value[0, 0] - np.log(40.0) > 5 * alone.error[0, 0]
+
+
+def test_stiffness_of_which_slow_motion_without_loads_tells_nothing_is_not_told(cards):
+    log, rows, seen = moving(make_of(40.0, 0.78, 0.0), 0.5, load=0.0)
+    each = fit_servos(log, rows, seen, cards)
+    make, _, _ = shared_make([(log, rows, seen)], cards, each)
+    assert not make.seen[0, 0]
