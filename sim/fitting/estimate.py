@@ -143,8 +143,8 @@ def estimate(
     Of what the model predicts, (N, P) was measured, NaN where nothing was. Parameters
     are expected at the start, (P, K); the search begins at a guess, (P, K).
     """
-    low, value = np.array([p.low for p in parameters]), guess
-    value = np.maximum(value, low)
+    low = np.array([p.low for p in parameters])
+    value = np.maximum(guess, low)
     for _ in range(steps):
         found, toward, weight, left = _around(model, measured, parameters, start, value)
         held = (value <= low) & (toward < 0)  # at a bound, and led beyond it
@@ -170,7 +170,7 @@ def _around(
     start: Array,
     value: Array,
 ) -> tuple[Estimates, Array, Array, Array]:
-    """What measurements say around a value: there, and where it leads, (P, K).
+    """Estimates at a value, and the slope of the likelihood there, (P, K).
 
     The others are the weight of a row, (P,), and what is left over, (N, P).
     """
@@ -198,9 +198,9 @@ def led(
     value: Array,
     shared: Sequence[int],
 ) -> Estimates:
-    """Where P problems are led from a value, to be pooled; they share parameters.
+    """One step of Gauss and Newton from a value, for problems that share parameters.
 
-    What is at its least and led below stays there.
+    It is to be pooled. What is at its least value and would fall below stays there.
     """
     at, toward, *_ = _around(model, measured, parameters, start, value)
     together = toward.copy()

@@ -53,7 +53,7 @@ def shared_make(
     The search begins at several stiffnesses. If some of the makes that it comes to fit
     the logs alike, the standard errors reach from one to the other.
     """
-    begins = _alike(told[0][0].inertia, each)
+    begins = _guesses(told[0][0].inertia, each)
     found = [_searched(told, start, guess) for guess in begins]
     cost, each, whole = min(found, key=lambda one: one[0])
     alike = [servos[0] for other, _, servos in found if other < cost + AS_LIKELY]
@@ -63,7 +63,7 @@ def shared_make(
     return make, own, whole
 
 
-def _alike(inertia: Array, each: Estimates) -> Iterator[Array]:
+def _guesses(inertia: Array, each: Estimates) -> Iterator[Array]:
     """Servos (P, 6) of one make, from stiff to soft, that move legs much alike.
 
     Smooth commands are followed with a lag of d / k and the delay, and a swing that

@@ -4,7 +4,7 @@ from typing import Any
 
 import mujoco
 
-ADDED = "actuator", "geom", "joint", "light", "material", "mesh"  # to a file
+ADDED = "actuator", "geom", "joint", "light", "material", "mesh"  # to a robot's file
 OWN = {"classname", "info", "name"}  # what each part has of its own
 
 
