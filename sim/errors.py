@@ -184,7 +184,8 @@ def one_line(error: BaseException) -> str:
     line = printable(" ".join(_describe(error).split()))
     if len(line) <= LONGEST_MESSAGE:
         return line
-    return f"{line[: LONGEST_MESSAGE // 2]} ... {line[-LONGEST_MESSAGE // 2 :]}"
+    half = LONGEST_MESSAGE // 2
+    return f"{line[:half].rstrip()} ... {line[-half:].lstrip()}"
 
 
 def _describe(error: BaseException) -> str:

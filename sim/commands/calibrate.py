@@ -140,8 +140,7 @@ def _calibrated(
             text = card_with(robot.card_text, known, clock, divider)
             with whole(file) as part:
                 part.write_text(text, "utf-8")
-    check = command("calibrate", robot.path, "--check")
-    return {"card": f"{file}, {len(known)} servos", "next": check}
+    return {"card": f"{file}, {len(known)} servos", "next": again("--check")}
 
 
 def _require_room(robot: Robot) -> None:

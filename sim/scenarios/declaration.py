@@ -229,7 +229,7 @@ def words(kind: object) -> str:
         noun = "a whole number" if inner[0] is int else "a number"
         return f"{noun} from {inner[1].low:.10g} to {inner[1].high:.10g}"
     if origin is Annotated and inner[1].file_name:
-        return "text in quotation marks, without slashes"
+        return "text in quotation marks, without slashes and a first dash or dot"
     if origin is Mapping:
         return "numbers by name, { NAME = 0.5 }"
     return "true or false" if kinds[0] is bool else "text in quotation marks"

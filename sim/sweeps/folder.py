@@ -21,7 +21,7 @@ from planner.support import read_file
 from sim.errors import FilesError, UsageError, is_text, telling
 from sim.folder import RunFolder, ensure_folder
 from sim.sweeps.file import Sweep, left_out
-from sim.sweeps.ledger import ALIKE, differences, software
+from sim.sweeps.ledger import ALIKE, alike, differences, software
 
 UNREADABLE = (ValueError, KeyError, TypeError, AttributeError, RecursionError)
 SIDE_BY_SIDE = " with "  # between keys that vary together
@@ -124,8 +124,11 @@ class About:
         return Sweep("merged", scenario, fixed, tuple(blocks), without)
 
     def differences(self, other: "About") -> list[str]:
-        """What another sweep is about instead, as `key: value, now value`."""
-        software = differences(self.software, other.software)
+        """What another sweep is about instead, as `key: value, now value`.
+
+        Machines may differ in what makes no number another one, such as their kernels.
+        """
+        software = differences(*alike(self.software, other.software))
         return differences(self.asked, other.asked) + software
 
 

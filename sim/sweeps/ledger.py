@@ -129,8 +129,7 @@ class Outcome:
         numbers = self.numbers.values()
         if not (all(map(is_text, words)) and all(map(_is_plain, numbers))):
             raise TypeError("a text of it is no text, or a number no number")
-        line = printable(" ".join(self.status.split()))
-        if self.status != OK and (line != self.status or ": " not in line):
+        if self.status != (printable(" ".join(self.status.split())) or None):
             raise TypeError("its status is no message of one line")
 
     @property

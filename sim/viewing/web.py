@@ -110,6 +110,7 @@ def _launch(
         with (
             patch.object(ux, "save_settings", lambda *_: None),
             patch.object(ux, "load_settings", lambda def_theme: def_theme),
+            patch.object(ux, "reset_config", lambda *_: None),
             patch.object(web_server, "bind_public_socket", lambda *_: bound),
             patch.object(web_server, "bind_loopback_socket", own),
             patch.object(web_server, "serve", access.serve),
@@ -117,7 +118,14 @@ def _launch(
             patch.object(web_viewer, "print", lambda *_, **__: None, create=True),
         ):
             window = web_viewer.WebViewer(config, endpoint, plugins=plugins)
-            started()
+            draw = window.sync
+
+            def first() -> None:  # what has not drawn yet bears no client
+                draw()
+                window.sync = draw
+                started()
+
+            window.sync = first
             viewer_protocol.run_viewer_loop(window)
 
     return launch_thread.launch_thread(show, sim_plugins=[Player(walk, playback)])

@@ -97,7 +97,7 @@ def _require_hold(scenario: Scenario) -> None:
     """Refuse a floor too steep even for the feet that rub most, if they bear all."""
     angle, _ = scenario.slope or (0.0, 0.0)
     friction = max(scenario.foot_friction or (scenario.friction,))
-    if tan(angle) >= friction:
+    if angle and tan(angle) >= friction:
         facts = {"angle": angle, "friction": friction, "most": atan(friction)}
         where = f"scenario {scenario.name!r}"
         raise UsageError.of("steep", where, least=tan(angle), **facts)

@@ -191,7 +191,10 @@ def test_answers_are_read_from_a_file(calibrate, tmp_path, capsys):
     card = Path("calibration/hexapod-classroom.toml").read_text()
     Path("told.txt").write_text("\n".join(lines))
     assert calibrate(None, ROBOT, "--out", "again", "--answers", "told.txt") == 0
-    assert Path("again/hexapod-classroom.toml").read_text() == card
+    assert card == Path("again/hexapod-classroom.toml").read_text()
+    *_, advised = re.findall("next +stratawalk (.*)", capsys.readouterr().out)
+    assert main(advised.split()) == 0
+    assert Path("again/check.h").is_file()  # of the same folder
     assert calibrate(None, ROBOT, "--out", "new", "--answers", "none.txt") == 2
     assert "give answers, a line each" in told_of(capsys)
 

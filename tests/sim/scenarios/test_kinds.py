@@ -85,7 +85,7 @@ def test_other_values_are_none_of_a_kind(value, kind):
         (tuple[Literal["a", "b"], ...], "a list of a or b"),
         (tuple[SHARE, SHARE], "a list of 2 numbers: from 0 to 1.5, from 0 to 1.5"),
         (tuple[SHARE, ...], "a list of numbers from 0 to 1.5"),
-        (NAME, "text in quotation marks, without slashes"),
+        (NAME, "text in quotation marks, without slashes and a first dash or dot"),
         (EMPTY, "text in quotation marks"),
         (str, "text in quotation marks"),
         (Mapping[str, float], "numbers by name, { NAME = 0.5 }"),

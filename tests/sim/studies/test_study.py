@@ -57,11 +57,12 @@ def test_points_are_sorted_by_how_well_the_prediction_holds(folder):
 def test_reasons_that_differ_in_numbers_alone_are_counted_together(folder):
     results = read_results(folder, "quasi_static")
     why = "no plan: phi_1 would reach {}, outside its range -0.45 to 0.45"
-    statuses = [*map(why.format, (1.45, "-1.2e-05")), "phi_2 is 3", "ok", "ok", "ok"]
-    columns = {**results.columns, "status": statuses}
+    said = [*map(why.format, (1.45, "-1.2e-05")), "phi_2 is 3", "take ax-12"]
+    columns = {**results.columns, "status": [*said, "ok", "ok"]}
     assert findings(replace(results, columns=columns)).reasons == {
         "no plan: phi_1 would reach ..., outside its range ... to ...": 2,
         "phi_2 is ...": 1,
+        "take ax-12": 1,  # a name
     }
 
 

@@ -8,7 +8,8 @@ from dataclasses import replace
 
 import pytest
 
-from sim.errors import FilesError, UsageError
+from models import MeasurementError
+from sim.errors import FilesError, UsageError, one_line
 from sim.sweeps.folder import sole_owner
 from sim.sweeps.ledger import DIED, OK, Outcome, _sealed, opened, read_ledger
 from tests.commands import FORKS
@@ -86,7 +87,7 @@ def test_a_line_that_was_changed_is_refused_with_its_number(tmp_path, old, new):
         b'{"digest": "a", "status": "ok", "numbers": {"x": 99999999999999999999}}',
         b'{"digest": "a", "status": "ok", "software": ["x"]}',
         b'{"digest": "a", "status": "\\udcff"}',
-        b'{"digest": "a", "status": "<b>"}', b'{"digest": "a", "status": "a: b\\n"}',
+        b'{"digest": "a", "status": ""}', b'{"digest": "a", "status": "a: b\\n"}',
         b'{"digest": "a", "status": "a: \\u001b[2J"}',
         b'{"digest": "a", "status": "ok", "numbers": {"x": "\\udcff"}}',
         b'{"digest": "a", "status": "ok", "numbers": {"\\udcff": 1}}',
@@ -97,6 +98,14 @@ def test_a_seal_alone_makes_no_outcome(tmp_path, content):
     path.write_bytes(_sealed(content))
     with pytest.raises(UsageError, match="line 1 is not as a sweep wrote it"):
         read_ledger(path)
+
+
+def test_whatever_a_point_fails_of_is_kept_in_its_words(tmp_path):
+    """Refusals without a place, and long ones, which are cut between words."""
+    errors = MeasurementError("it tips over"), UsageError("x " * 999, "", "go")
+    said = [Outcome(str(i), one_line(error)) for i, error in enumerate(errors)]
+    (path := tmp_path / "ledger").write_bytes(b"".join(one.line for one in said))
+    assert [*read_ledger(path).values()] == said
 
 
 def test_nothing_is_written_through_the_links_of_a_stranger(tmp_path):

@@ -1,5 +1,7 @@
 """Where a merged sweep goes: its own folder, a new one, but nobody else's."""
 
+import json
+
 import pytest
 
 from sim.cli import main
@@ -64,6 +66,15 @@ def test_a_sweep_is_merged_into_its_own_folder_again_and_again(finished, tmp_pat
     assert contents(both) == before
     assert merged(both, out=one) == 0
     assert (one / "table.parquet").read_bytes() == before["table.parquet"]
+
+
+def test_shards_of_machines_with_other_kernels_make_one_table(finished, tmp_path):
+    one, two = (finished("nodes", [0.4, 1.0], Shard(n, 2)) for n in (1, 2))
+    said = (two / "sweep-2-of-2.json").read_text()
+    about = json.loads(said) | {"software": software() | {"system": "Linux-0"}}
+    (two / "sweep-2-of-2.json").write_text(json.dumps(about))
+    assert merged(one, out=tmp_path / "all") == 0
+    assert not json.loads((tmp_path / "all" / "sweep.json").read_text())["mixed"]
 
 
 def test_shards_may_lie_in_the_folder_that_they_are_merged_into(finished, tmp_path):

@@ -66,8 +66,15 @@ class Served:
 
 BRIEF = """
 import sys
+from mujoco.studio import ux, viewer_protocol
 from mujoco.studio.web import web_server
 from sim import start
+
+def begun(window, loop=viewer_protocol.run_viewer_loop):
+    ux.reset_config()  # as the menu "View" does
+    loop(window)
+
+viewer_protocol.run_viewer_loop = begun
 web_server._GRANT_EXPIRY_SEC = 0.5  # for which MuJoCo keeps the place of one that left
 sys.exit(start.main())
 """
@@ -82,7 +89,11 @@ def served(walked, tmp_path_factory):
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
         env=os.environ | {"HOME": str(home)},
     )  # fmt: skip
-    yield Served(process, process.stdout.readline().strip())
+    viewer = Served(process, process.stdout.readline().strip())
+    with viewer.open(f"/ui?sid=first&{viewer.token}") as interface:  # at once
+        interface.send(version())
+        assert interface.recv(timeout=20)
+    yield viewer
     process.send_signal(signal.SIGINT)
     _, said = process.communicate(timeout=30)
     assert (process.returncode, said.strip()) == (0, "")  # whatever it was sent
@@ -255,22 +266,12 @@ def test_a_viewer_survives_whatever_a_browser_sends(served, cookie, path):
 
 def test_a_viewer_survives_what_is_no_request(served, cookie):
     dice = random.Random(1)
-    words = (
-        b"",
-        b"\0" * 99,
-        b"GET / HTTP/1.1\r\n" + b"a: b\r\n" * 999,
-        b"\xff\r\n\r\n",
-    )
+    long = b"GET / HTTP/1.1\r\n" + b"a: b\r\n" * 999
+    words = (b"", b"\0" * 99, long, b"\xff\r\n\r\n")
     for word in (*words, *(dice.randbytes(200) for _ in range(20))):
         with socket.create_connection(("127.0.0.1", served.port)) as link:
             link.sendall(word)
-    odd = (
-        "/%00",
-        "//..//..//etc/hostname",
-        "/assets/../../x",
-        f"/{'a' * 4000}",
-        "/?a=%",
-    )
+    odd = "/%00", "//..//..//etc/hostname", "/assets/../../x", f"/{'a' * 4000}", "/?a=%"
     for path in (*odd, "/model?crc32=x", "/model?size_bytes=-1&offset_bytes=9"):
         assert served.get(path, Cookie=cookie)[0] in (200, 400, 403, 404)
     test_the_browser_with_the_address_is_answered(served, cookie)

@@ -261,12 +261,14 @@ def test_a_floor_gives_way_to_loose_legs_as_far_as_to_rigid_ones(standing):
 
 
 def test_a_level_floor_holds_a_robot_on_hardly_any_friction():
-    def held(slope, *feet):
-        given = {"slope": slope, "friction": 0.2, "foot_friction": feet, "name": "it"}
+    def held(slope, *feet, friction=0.2):
+        rub = {"friction": friction, "foot_friction": feet}
+        given = {"slope": slope, **rub, "name": "it"}
         _require_hold(SimpleNamespace(**given))
 
     held(None)
     held((0.0, 1.0), 0.01, 0.02)
+    held((0.0, 0.0), friction=0.0)
     held((0.19, 0.0))
     held((0.29, 0.0), 0.1, 0.3)  # by the foot that rubs most
     with pytest.raises(UsageError, match="too steep for a friction of 0.2") as caught:
