@@ -5,7 +5,6 @@ Angles are continuous along a path and are never wrapped.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,6 +15,8 @@ from planner.numerics.arrays import Array, reals
 COLUMNS = ("x", "y", "yaw")  # [m], [m], [rad]
 HALVINGS = 40  # of a step in which a curve may jump
 ARC_PRECISION = 1e-12  # of the arc length, relative
+MOST_PIECES = 5000  # of a curve whose length is found
+ROMBERG = np.array([-1, 84, -1344, 4096]) / 2835  # for lengths of 1, 2, 4 and 8 chords
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,28 +180,17 @@ def formula_curve(formulas: Mapping[str, object]) -> tuple[Path, float]:
 
     Formulas or numbers have the names of `COLUMNS`; those missing are 0.
     """
-    import sympy as sp  # slow to import, and seldom needed
+    from planner.systems.formulas import real_formula  # slow to import, seldom needed
 
-    from planner.systems.formulas import read_formula
-
-    s = sp.Symbol("s", real=True)
-    exprs = []
+    read = []
     for name in COLUMNS:
         text = formulas.get(name, 0)
         if isinstance(text, bool) or not isinstance(text, str | int | float):
             raise ValueError(f"{name} is {text!r}; write a formula of s")
-        exprs.append(read_formula(text, [s]))
-        if exprs[-1].has(sp.zoo, sp.nan, sp.oo, -sp.oo):
-            raise ValueError(f"{name} = {text} divides by zero")
-    pose = [sp.lambdify(s, e, modules=np) for e in exprs]
-    slopes = [sp.diff(e, s).replace(sp.DiracDelta, lambda *_: 0) for e in exprs[:2]]
-    rate = [sp.lambdify(s, slope, modules=np) for slope in slopes]
+        read.append(real_formula(str(text), "s"))
 
     def at(parameters: Array) -> Array:
-        with np.errstate(all="ignore"):
-            columns = [np.broadcast_to(f(parameters), parameters.shape) for f in pose]
-        found = np.stack(columns, axis=-1)
-        return np.where(np.isreal(found), found.real, np.nan).astype(float)
+        return np.stack([coordinate(parameters) for coordinate in read], axis=-1)
 
     places = np.linspace(0.0, 1.0, 1001)
     poses = at(places)
@@ -210,11 +200,7 @@ def formula_curve(formulas: Mapping[str, object]) -> tuple[Path, float]:
     if (poses == poses[0]).all():
         raise ValueError("all poses are the same; let x, y or yaw change with s")
     _require_no_jump(at, places, poses)
-    chords = float(np.hypot(*np.diff(poses[:, :2], axis=0).T).sum())  # if slopes hide
-    with np.errstate(all="ignore"):  # slopes may be infinite or undefined somewhere
-        arc = _arc_length(lambda t: np.hypot(*(f(t) for f in rate)), [0.0, 1.0])
-    arc = arc if arc < np.inf else 0.0
-    return Path(at), max(arc, chords * (1 - ARC_PRECISION))
+    return Path(at), _arc_length(at, places)
 
 
 def _require_no_jump(at: Callable[[Array], Array], places: Array, poses: Array) -> None:
@@ -243,12 +229,30 @@ def table_curve(poses: Sequence[Sequence[float]]) -> tuple[Path, float]:
     if len(knots) < 2:
         raise ValueError("all poses are the same; give at least two different ones")
     spline = PchipInterpolator(where, knots)
-    rate = spline.derivative()
-    return Path(spline), _arc_length(lambda t: np.hypot(*rate(t)[:2]), where.tolist())
+    return Path(spline), _arc_length(spline, where)
 
 
-def _arc_length(speed: Callable[[float], float], cuts: Sequence[float]) -> float:
-    from scipy.integrate import quad
+def _arc_length(curve: Callable[[Array], Array], cuts: Array) -> float:
+    """By chords, which are extrapolated, and halved wherever halves say otherwise."""
 
-    options = {"epsabs": 0.0, "epsrel": ARC_PRECISION, "limit": 500, "full_output": 1}
-    return float(sum(quad(speed, a, b, **options)[0] for a, b in pairwise(cuts)))
+    def lengths(starts: Array, widths: Array) -> Array:
+        places = starts[:, None] + np.outer(widths, np.linspace(0.0, 1.0, 9))
+        points = curve(places.ravel())[:, :2].reshape(*places.shape, 2)
+        chords = [np.diff(points[:, ::step], axis=1) for step in (8, 4, 2, 1)]
+        return ROMBERG @ [np.hypot(*np.moveaxis(c, -1, 0)).sum(axis=1) for c in chords]
+
+    starts, widths, known = cuts[:-1], np.diff(cuts), 0.0
+    whole = lengths(starts, widths)
+    precision = ARC_PRECISION * whole.sum()
+    for _ in range(HALVINGS):
+        starts = np.stack([starts, starts + widths / 2], axis=1).ravel()
+        widths = np.repeat(widths / 2, 2)
+        halves = lengths(starts, widths)
+        both = halves.reshape(-1, 2).sum(axis=1)
+        off = np.abs(both - whole) > precision * 2 * widths[::2]
+        known += both[~off].sum()
+        parts = np.repeat(off, 2)
+        starts, widths, whole = starts[parts], widths[parts], halves[parts]
+        if not 0 < len(starts) < MOST_PIECES:
+            break
+    return float(known + whole.sum())

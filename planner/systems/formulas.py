@@ -2,26 +2,85 @@
 
 import ast
 import operator
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
 
+import numpy as np
 import sympy as sp
 from sympy.printing.str import StrPrinter
 
-NAMES = "sin cos tan asin acos atan atan2 sinh cosh tanh exp log sqrt Abs sign"
-FUNCTIONS = {name: getattr(sp, name) for name in NAMES.split()}
+from planner.numerics.arrays import Array
+
+
+class Abs(sp.Abs):  # type: ignore[misc]
+    """That of real numbers; sympy's own knows no slope of what may be complex."""
+
+    def _eval_derivative(self, name: sp.Symbol) -> sp.Expr:
+        return sign(self.args[0]) * self.args[0].diff(name)
+
+
+class sign(sp.sign):  # type: ignore[misc]  # noqa: N801 (printed by this name)
+    """Likewise."""
+
+    def _eval_derivative(self, name: sp.Symbol) -> sp.Expr:
+        return 2 * sp.DiracDelta(self.args[0]) * self.args[0].diff(name)
+
+
+NAMES = "sin cos tan asin acos atan atan2 sinh cosh tanh exp log sqrt"
+FUNCTIONS = {n: getattr(sp, n) for n in NAMES.split()} | {"Abs": Abs, "sign": sign}
+NUMERIC = {n: getattr(np, n) for n in NAMES.split()} | {"Abs": np.abs, "sign": np.sign}
 CONSTANTS: Mapping[str, sp.Expr] = {"pi": sp.pi}
-RESERVED = frozenset({*FUNCTIONS, *CONSTANTS})  # names that coordinates cannot have
-OPERATORS: Mapping[type, Callable[..., sp.Expr]] = {
+RESERVED = frozenset({*FUNCTIONS, *CONSTANTS})  # of which no coordinate is one
+OPERATORS: Mapping[type, Callable[..., Any]] = {
     ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul,
     ast.Div: operator.truediv, ast.USub: operator.neg, ast.UAdd: operator.pos,
-    ast.Pow: lambda base, exponent: _power(base, exponent),
 }  # fmt: skip
 UNREADABLE = SyntaxError, TypeError, ArithmeticError, RecursionError, MemoryError
 LONGEST_FORMULA = 10_000  # characters of one formula
 MOST_FACTORS = 64  # in a term: each derivative makes a term of each factor
+INT64 = 2**63  # beyond the whole numbers that numpy takes
 MOST_BITS = 1024  # of an integer, or of the parts of a fraction
 HUGE = 1e100  # magnitude of a number; a product of three still fits a float
 QUOTED = 60  # characters of a formula in a message
+
+
+@dataclass(frozen=True)
+class _Algebra:
+    """What the parts of a formula stand for, numbers or expressions."""
+
+    number: Callable[[float], Any]
+    power: Callable[[Any, Any], Any]
+    functions: Mapping[str, Callable[..., Any]]
+    checked: Callable[[ast.expr, Any], Any] = lambda _, part: part
+
+    def value(self, node: ast.expr, names: Mapping[str, Any], text: str) -> Any:
+        """That of a part of a formula, with names that stand for something."""
+
+        def part(child: ast.expr) -> Any:
+            return self.checked(child, self.value(child, names, text))
+
+        match node:
+            case ast.Constant(value=int() | float() as number) if not isinstance(
+                number, bool
+            ):
+                return self.number(number)
+            case ast.Name(id=name) if name in names:
+                return names[name]
+            case ast.BinOp(left=left, op=ast.Pow(), right=right):
+                return self.power(part(left), part(right))
+            case ast.BinOp(left=left, op=op, right=right) if type(op) in OPERATORS:
+                return OPERATORS[type(op)](part(left), part(right))
+            case ast.UnaryOp(op=op, operand=operand) if type(op) in OPERATORS:
+                return OPERATORS[type(op)](part(operand))
+            case ast.Call(func=ast.Name(id=name), args=args, keywords=[]) if (
+                name in self.functions and len(args) == 1 + (name == "atan2")
+            ):
+                return self.functions[name](*map(part, args))
+        what = f"formula {_short(text)} has {_short(ast.unparse(node))}"
+        known = ", ".join([*names, *self.functions])
+        raise ValueError(f"{what}, which is neither a number nor one of {known}")
 
 
 def read_formula(
@@ -39,16 +98,55 @@ def read_formula(
         raise ValueError(f"{text} is neither a number nor a formula")
     if isinstance(text, (int, float)):
         return sp.sympify(text)
-    if (n := len(text)) > LONGEST_FORMULA:
-        raise ValueError(f"formula is {n} characters long, {LONGEST_FORMULA} at most")
     numbers = {name: sp.sympify(value) for name, value in (values or {}).items()}
     known = {str(s): s for s in names} | numbers | dict(CONSTANTS)
+    reals = {s: np.float64(e) for s, e in known.items() if e.is_number}
+
+    def checked(part: ast.expr, found: sp.Expr) -> sp.Expr:
+        used = {node.id for node in ast.walk(part) if isinstance(node, ast.Name)}
+        is_known = found.is_number and used <= {*reals, *FUNCTIONS}
+        # of other numbers sympy may think for ever
+        size = REAL.value(part, reals, text) if is_known else 0.0
+        if _bits(found) > MOST_BITS or not abs(size) < HUGE:
+            what = f"{_short(ast.unparse(part))} has {size:g}, no real number"
+            raise ValueError(f"{what} below {HUGE:.0e} in {MOST_BITS} bits")
+        return found
+
+    symbolic = _Algebra(sp.sympify, _power, FUNCTIONS, checked)
+    with _read(text) as tree:
+        found = symbolic.value(tree, known, text)
+    large = (whole for whole in found.atoms(sp.Integer) if abs(whole) >= INT64)
+    return found.xreplace({whole: sp.Float(whole) for whole in large})
+
+
+def real_formula(text: str, name: str) -> Callable[[Array], Array]:
+    """A formula of one name as a function of its values (T,), NaN where it is not real.
+
+    Raises `ValueError` as `read_formula` does.
+    """
+
+    def at(values: Array) -> Array:
+        with np.errstate(all="ignore"):
+            found = REAL.value(tree, {name: values, "pi": np.pi}, text)
+        return np.broadcast_to(found, values.shape)
+
+    with _read(text) as tree:
+        at(np.zeros(1))
+    return at
+
+
+@contextmanager
+def _read(text: str) -> Iterator[ast.expr]:
+    """The tree of a formula; `ValueError` for what cannot be read of it."""
+    if (n := len(text)) > LONGEST_FORMULA:
+        raise ValueError(f"formula is {n} characters long, {LONGEST_FORMULA} at most")
     try:
         tree = ast.parse(text.strip(), mode="eval").body
         if (count := _factors(tree)) > MOST_FACTORS:
             what = f"formula {_short(text)} has a term of {count} factors"
             raise ValueError(f"{what}, nested ones among them; {MOST_FACTORS} at most")
-        return _expression(tree, known, text)
+        with np.errstate(all="ignore"):
+            yield tree
     except UNREADABLE as error:
         why = getattr(error, "msg", error)  # of a SyntaxError without its place
         raise ValueError(f"formula {_short(text)} cannot be read: {why}") from None
@@ -78,31 +176,7 @@ def _power(base: sp.Expr, exponent: sp.Expr) -> sp.Expr:
     return base**exponent
 
 
-def _expression(node: ast.expr, names: Mapping[str, sp.Expr], text: str) -> sp.Expr:
-    def part(child: ast.expr) -> sp.Expr:  # sympy works for ever on some large numbers
-        inner = _expression(child, names, text)
-        size = abs(inner).evalf() if inner.is_number else sp.S.Zero
-        if _bits(inner) > MOST_BITS or (size.is_finite and size >= HUGE):
-            what = f"{_short(ast.unparse(child))} has {float(size)}, no real number"
-            raise ValueError(f"{what} below {HUGE:.0e} in {MOST_BITS} bits")
-        return inner
-
-    match node:
-        case ast.Constant(value=int() | float()) if not isinstance(node.value, bool):
-            return sp.sympify(node.value)
-        case ast.Name(id=name) if name in names:
-            return names[name]
-        case ast.BinOp(left=left, op=op, right=right) if type(op) in OPERATORS:
-            return OPERATORS[type(op)](part(left), part(right))
-        case ast.UnaryOp(op=op, operand=operand) if type(op) in OPERATORS:
-            return OPERATORS[type(op)](part(operand))
-        case ast.Call(func=ast.Name(id=name), args=args, keywords=[]) if (
-            name in FUNCTIONS
-        ):
-            return FUNCTIONS[name](*map(part, args))
-    what = f"formula {_short(text)} has {_short(ast.unparse(node))}"
-    known = ", ".join([*names, *FUNCTIONS])
-    raise ValueError(f"{what}, which is neither a number nor one of {known}")
+REAL = _Algebra(np.float64, operator.pow, NUMERIC)
 
 
 class _Writer(StrPrinter):  # type: ignore[misc]

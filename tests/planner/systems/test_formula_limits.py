@@ -40,6 +40,18 @@ def test_fractions_of_a_formula_have_1024_bits_at_most():
         read_formula(f"x + {small} / 2", [X])
 
 
+@pytest.mark.parametrize(
+    "text",
+    ["Abs(log(x + 2))", "Abs(x/(x + 3))", "x*sign(sqrt(x + 1) - 2)", "x*log(2**70)"],
+)
+def test_slopes_and_values_are_those_of_real_numbers(text):
+    """Sympy's own slope of an absolute value is that of a complex one."""
+    found, step = read_formula(text, [X]), 1e-6
+    slope, value = (sp.lambdify(X, e, modules=np) for e in (found.diff(X), found))
+    differences = (value(0.3 + step) - value(0.3 - step)) / (2 * step)
+    assert slope(0.3) == pytest.approx(differences, rel=1e-8)  # 1e-16 by the step
+
+
 def test_an_element_has_twenty_brackets_at_most():
     def nested(count):
         return "[f," * count + "g" + "]" * count

@@ -136,7 +136,10 @@ def test_field_may_be_tangent_on_its_curved_stratum_alone():
             {"level_sets": {"1": ["__import__('os')"]}},
             "set of S1: formula .* neither",
         ),
-        ({"level_sets": {"1": ["sqrt(-2) + y"]}}, "level set of S1 has sqrt.2..I, no "),
+        (
+            {"level_sets": {"1": ["sqrt(-2) + y"]}},
+            "level set of S1: 'sqrt.-2.' has nan",
+        ),
         ({"level_sets": {"2": [X]}}, "level set of stratum '2', which is unknown"),
         ({"level_sets": {"1": [sp.Symbol("z")]}}, "level set of S1 uses z"),
         (
