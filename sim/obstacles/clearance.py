@@ -103,7 +103,7 @@ def _part(model: mujoco.MjModel, geom: int) -> Part:
 
 @dataclass(frozen=True)
 class Outline:
-    """A robot in a model, and the floor that it covers."""
+    """A robot in a model with a keyframe `start`, and the floor that it covers."""
 
     robot: Robot
     model: mujoco.MjModel
@@ -116,7 +116,7 @@ class Outline:
     def configurations(self, pose: Array, swing: Array, lift: Array) -> Array:
         """Joint positions (T, nq) at level poses (T, 3), group angles (T, G) [rad]."""
         robot, model = self.robot, self.model
-        qpos = np.tile(robot.start_qpos, (len(pose), 1))
+        qpos = np.tile(model.key("start").qpos, (len(pose), 1))
         root = robot.root_address_in(model)
         qpos[:, root : root + 2] = pose[:, :2]
         half, zero = pose[:, 2] / 2, np.zeros(len(pose))

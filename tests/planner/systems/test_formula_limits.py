@@ -9,7 +9,7 @@ import sympy as sp
 
 from planner.systems.closure import _Span, exact_rank
 from planner.systems.elements import parse_names
-from planner.systems.fields import NumericField, lie_bracket
+from planner.systems.fields import KINKS, NumericField, lie_bracket
 from planner.systems.formulas import _power, read_formula
 
 X = sp.Symbol("x")
@@ -47,7 +47,9 @@ def test_fractions_of_a_formula_have_1024_bits_at_most():
 def test_slopes_and_values_are_those_of_real_numbers(text):
     """Sympy's own slope of an absolute value is that of a complex one."""
     found, step = read_formula(text, [X]), 1e-6
-    slope, value = (sp.lambdify(X, e, modules=np) for e in (found.diff(X), found))
+    slope, value = (
+        sp.lambdify(X, e, modules=[KINKS, np]) for e in (found.diff(X), found)
+    )
     differences = (value(0.3 + step) - value(0.3 - step)) / (2 * step)
     assert slope(0.3) == pytest.approx(differences, rel=1e-8)  # 1e-16 by the step
 

@@ -123,6 +123,17 @@ def _surface(model, data, geom, rng):
     return np.array(hits)
 
 
+def test_joints_of_dead_bands_leave_the_outline_where_it_is(scenario):
+    """Which lie between the others in the world."""
+    setups = [prepare(scenario(backlash=band)) for band in (0.0, 0.01)]
+    assert setups[0].model.nq < setups[1].model.nq
+    given = poses(np.random.default_rng(2), 20)
+    outlines = [Outline(setup.robot, setup.model) for setup in setups]
+    cores = [one.solids.cores(one.configurations(*given)) for one in outlines]
+    for there, same in zip(*cores, strict=True):
+        np.testing.assert_allclose(there, same, atol=ROUNDING)
+
+
 def test_a_robot_is_as_large_wherever_it_stands(hexapod, scenario):
     setup = prepare(scenario())
     outline = Outline(setup.robot, setup.model)
