@@ -1,5 +1,6 @@
 """The real command in a process of its own, as tests run it."""
 
+import errno
 import os
 import re
 import subprocess
@@ -111,3 +112,8 @@ def forbidden(*words):
     prefix = bound * (os.geteuid() == 0)
     given = [*prefix, sys.executable, "-m", "sim.start", *map(str, words)]
     return subprocess.run(given, capture_output=True, text=True, check=False)
+
+
+def full_disk(*_, **__):
+    """In place of what writes a file."""
+    raise OSError(errno.ENOSPC, "No space left on device")

@@ -18,7 +18,7 @@ from tempfile import NamedTemporaryFile
 
 import mujoco
 
-from models.adoption.words import guess, refusal
+from models.adoption.words import first, guess, refusal
 from models.description.compiled import named, one_line, read_spec
 from models.description.inspection import inspect_model
 from models.errors import ModelError, UnknownRobotError, message
@@ -167,7 +167,6 @@ def _from_urdf(path: Path, text: str) -> str:
 
 
 THICKNESS = 0.06  # radius of a rod in lengths of the longest one
-SHOWN = 2  # names in a sentence
 SLOW = 2.0  # [rad/s]; legs swing at half a radian a second, and lift at one
 DECIMAL = re.compile(r"\d+\.?\d*|\.\d+")
 
@@ -216,15 +215,18 @@ def with_shapes(path: Path, given: str, text: str) -> tuple[str, tuple[str, ...]
         return ET.tostring(robot, encoding="unicode") if drawn else text, notes
     ends = _ends(robot)
     longest = max((hypot(*end) for found in ends.values() for end in found), default=0)
+    missing: dict[str, None] = {}  # in order
     for link in list(robot.iter("link")):
-        shapes = [s for s in link if any(id(m) in absent for m in s.iter("mesh"))]
-        for shape in shapes:
+        meshes = ((s, absent.get(id(m))) for s in link for m in s.iter("mesh"))
+        lost = {shape: name for shape, name in meshes if name is not None}
+        for shape in lost:
             link.remove(shape)
-        if shapes and link.find("collision") is None:
+        if lost and link.find("collision") is None:
+            missing |= dict.fromkeys(lost.values())
             _draw(path, link, ends[str(link.get("name"))], THICKNESS * longest)
-    missing = list(dict.fromkeys(absent.values()))
-    rods = guess("rods", shown=_first(missing))
-    return ET.tostring(robot, encoding="unicode"), (*notes, rods)
+    if missing:
+        notes += (guess("rods", shown=first([*missing])),)
+    return ET.tostring(robot, encoding="unicode"), notes
 
 
 def _unsaid(robot: ET.Element) -> Iterator[str]:
@@ -232,7 +234,7 @@ def _unsaid(robot: ET.Element) -> Iterator[str]:
     shaped = (link for link in robot.iterfind("link[collision]"))
     light = [str(link.get("name")) for link in shaped if link.find("inertial") is None]
     if light:
-        yield guess("water", links=_first(light))
+        yield guess("water", links=first(light))
     speeds = {
         str(joint.get("name")): float(limit.get("velocity", ""))
         for joint in robot.iterfind("joint")
@@ -242,13 +244,7 @@ def _unsaid(robot: ET.Element) -> Iterator[str]:
     slow = [joint for joint, speed in speeds.items() if 0 < speed <= SLOW]
     if slow:
         least = min(speeds[joint] for joint in slow)
-        yield guess("speeds", joints=_first(slow), least=least)
-
-
-def _first(names: list[str]) -> str:
-    """The first of some names, and how many more there are."""
-    more = len(names) - SHOWN
-    return ", ".join(names[:SHOWN]) + (f" and {more} more" * (more > 0))
+        yield guess("speeds", joints=first(slow), least=least)
 
 
 def _ends(robot: ET.Element) -> dict[str, list[Point]]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import fields, replace
-from math import isfinite, sqrt
+from math import sqrt
 from typing import Any
 
 from models.morphology.mjcf import (
@@ -17,6 +17,7 @@ from planner.support import shipped_tables, unknown
 Legs = Mapping[int, Leg]
 SIX, EIGHT = (1, 4, 5), (1, 4, 6, 7)  # legs of the first group
 # numbers that every shape has
+MOST_TIMES = 1000.0  # a number of a shape may be its own, either way
 PLAIN = tuple(item.name for item in fields(Morphology) if item.type == "float")
 RADIAL_BEARINGS = {1: 30, 2: -30, 3: 90, 4: -90, 5: 150, 6: -150}  # [degrees]
 
@@ -101,8 +102,8 @@ def reshaped(robot: str, geometry: Mapping[str, float]) -> Morphology:
     for name, value in geometry.items():
         if name not in known:
             raise ValueError(f"geometry.{name} {unknown(name, known)}")
-        if not isfinite(value):
-            raise ValueError(f"geometry.{name} = {value} is not finite")
+        if not abs(value) <= (most := MOST_TIMES * abs(known[name])):
+            raise ValueError(f"geometry.{name} = {value} is beyond {most:g}")
         if name in PLAIN and value <= 0:
             raise ValueError(f"geometry.{name} = {value} is not above 0")
     numbers: dict[str, Any] = {**known, **geometry}

@@ -136,10 +136,10 @@ def _calibrated(
         rate, assumed = kind.command_rate, clock or BOARD_CLOCK
         divider = card.board_divider or pulse * board_divider(rate, assumed)
         for joint, servo in _found(robot, kind, known, divider, ask):
-            known[joint] = servo
-            text = card_with(robot.card_text, known, clock, divider)
+            text = card_with(robot.card_text, known | {joint: servo}, clock, divider)
             with whole(file) as part:
                 part.write_text(text, "utf-8")
+            known[joint] = servo
     return {"card": f"{file}, {len(known)} servos", "next": again("--check")}
 
 

@@ -6,15 +6,15 @@ import os
 import re
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from functools import partial
 from itertools import count
 from math import hypot, radians, tau
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from sim.commands.declared import GUESSES
-from sim.endings import again
+from sim.endings import again, keeping, kept_work
 from sim.errors import ExitCode, SimulationError, UsageError, one_line, printable
 from sim.progress import bar, stage
 from sim.scenarios.settings import SETTINGS
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from sim.scenarios.scenario import Scenario
 
 PAGES = (".html", ".htm")
+DONE = "the work is done and its files are written; only what it prints is lost"
 FAR = 5.0  # [m], 20 times the reach of shipped robots; others may mean millimetres
 
 
@@ -191,10 +192,12 @@ def robot_of(options: argparse.Namespace, name: str) -> "Robot":
     return robot
 
 
-def report(options: argparse.Namespace, facts: object, *lines: object) -> None:
+def report(options: argparse.Namespace, facts: Any, *lines: object) -> None:
     """Print facts as JSON alone where that is asked for, and lines elsewhere."""
     found = json.dumps(facts, indent=1) if options.json else "\n".join(map(str, lines))
-    print(printable(found), flush=True)
+    is_kept = not kept_work() and (getattr(options, "out", None) or "written" in facts)
+    with keeping(lambda: DONE) if is_kept else nullcontext():
+        print(printable(found), flush=True)
 
 
 @contextmanager

@@ -150,7 +150,7 @@ def design(options: argparse.Namespace) -> None:
     rows: list[Mapping[str, Any]] = []
 
     def kept() -> str:
-        if path is None or not rows:
+        if path is None or not path.exists():
             return f"nothing is kept; start again: {again()}"
         on = again(*cli.elsewhere(str(out)))
         return f"{path} has {len(rows)} of {count} designs; start again: {on}"

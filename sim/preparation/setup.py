@@ -8,7 +8,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from models import Equations, Ground, Kinematics, Robot, equations, load
+from models import Equations, Ground, Kinematics, Robot, equations
 from planner import Array, Execution, ExtendedSystem, Path as Curve, extend
 from planner.execution import Coordinates, StanceRule
 from sim.errors import UsageError
@@ -239,8 +239,7 @@ def prepare(
     """
     shared = shared or Shared()
     if robot is None or robot.geometry != (scenario.geometry or robot.geometry):
-        read = partial(load, scenario.robot, geometry=scenario.geometry)
-        robot = shared.cached("robot", (scenario.robot, str(scenario.geometry)), read)
+        robot = shared.robot(scenario)
     scenario = with_own_band(drawn(scenario, robot), robot.card)
     key = robot, scenario.key("equations")
     made = shared.cached("mathematics", key, partial(_mathematics, robot, scenario))

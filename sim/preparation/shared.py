@@ -5,11 +5,13 @@ A thing is built anew where a setting that affects it, as declared, differs.
 
 from collections import OrderedDict
 from collections.abc import Callable, Hashable
+from functools import partial
 from typing import Any, Protocol, TypeVar
 
 import mujoco
 
-from models import Robot
+from models import ModelError, Robot, load
+from sim.errors import UsageError
 from sim.scenarios.declaration import Effect
 from sim.scenarios.scenario import Scenario
 from sim.world.model import World, build, load as load_world
@@ -51,6 +53,18 @@ class Shared:
         if len(of_kind) > most:
             of_kind.popitem(last=False)
         return of_kind[key]
+
+    def robot(self, scenario: Scenario) -> Robot:
+        """The robot of a scenario; a UsageError where its geometry makes none."""
+        name, geometry = scenario.robot, scenario.geometry
+        read = partial(load, name, geometry=geometry)
+        try:
+            return self.cached("robot", (name, str(geometry)), read)
+        except ModelError as error:
+            if not geometry:
+                raise
+            remedy = "give what a robot can have"
+            raise UsageError.at("geometry", error, remedy) from error
 
 
 def world_cache(scenario: Scenario, robot: Robot, shared: Shared | None) -> Cache:

@@ -242,6 +242,13 @@ def test_a_mesh_that_is_nowhere_to_be_opened_is_left_out_and_named(urdf, mesh):
         source_of(str(urdf(mesh)))
 
 
+def test_a_mesh_that_is_only_drawn_is_left_out_without_a_rod(urdf):
+    text = (path := urdf("near.obj")).read_text()
+    drawn = '<visual><geometry><mesh filename="gone.dae"/></geometry></visual>'
+    path.write_text(text.replace("<collision>", f"{drawn}<collision>"))
+    assert not any("rods" in note for note in source_of(str(path)).notes)
+
+
 @pytest.mark.parametrize("mesh", ["near.obj", *ABSENT.values()])
 @pytest.mark.parametrize(
     ("other", "said"),

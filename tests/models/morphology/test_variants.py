@@ -39,6 +39,9 @@ def test_unknown_numbers_are_refused_with_those_known():
         load("hexapod", geometry={"kapa": 0.5})
     with pytest.raises(ModelError, match="body_mass = -1.0 is not above 0"):
         load("hexapod", geometry={"body_mass": -1.0})
+    for sign in (1, -1):
+        with pytest.raises(ModelError, match="kappa = .*561.0 is beyond 560"):
+            load("hexapod", geometry={"kappa": sign * 561.0})
 
 
 def test_a_robot_of_ones_own_has_no_such_numbers(edited):

@@ -53,6 +53,7 @@ QUICK = (*SHORT, "--set", 'predictions=["quasi_static"]')
         (["run", "line", "--out", ""], 2, "an empty name: --out; name a folder"),
         (["run", "line", "--robot", "centipede"], 2, "unknown robot: 'centipede'"),
         (["run", "line", "--robot", "gone.xml"], 2, "no such robot file"),
+        (["run", "line", "--set", "geometry={a=1}"], 2, "geometry.a is unknown: geom"),
         (
             ["run", "line", "--no-video", "--out", "."],
             2,

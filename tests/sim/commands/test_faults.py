@@ -100,6 +100,16 @@ def test_a_full_disk_under_the_output_is_a_fault_of_files(stratawalk, words):
     assert (refusal(done) == said) == (words[1] == "biped")
 
 
+def test_what_is_written_need_not_be_started_again(stratawalk, folder, tmp_path):
+    """A full disk takes its words alone."""
+    to = ["--format", "csv", "--no-play", "--out", str(tmp_path / "walk.csv")]
+    with open("/dev/full", "w") as full:
+        done = stratawalk("export", str(folder), *to, stdout=full)
+    assert done.returncode == 6
+    assert done.stderr.endswith("; only what it prints is lost\n")
+    assert "start again" not in done.stderr
+
+
 def test_a_full_disk_under_standard_error_leaves_the_code(stratawalk):
     with open("/dev/full", "w") as full:
         done = stratawalk("plan", "gone", stderr=full, PYTHONUNBUFFERED="")

@@ -202,3 +202,17 @@ def test_strokes_that_check_go_15_degrees_or_to_the_nearest_end(monkeypatch):
     assert np.abs(off).max(axis=0) == pytest.approx([0.1, radians(15), 0.4])
     assert off.max(axis=0)[0] == pytest.approx(0.1)  # anticlockwise from above
     assert off.min(axis=0)[1] == pytest.approx(-radians(15))
+
+
+@pytest.mark.parametrize(
+    ("turned", "counts", "said"),
+    [
+        ("+", (400, 300), r"turned \+ .* from 400 to 300; look at the marks"),
+        ("x", (300, 400), "answer \\+ or -, not 'x'"),
+        ("+", (300, 310), "10 counts for 57 degrees, and its make takes 111; look"),
+        ("+", (0, 10**400), "0 counts for 57 degrees, and its make takes 111; look"),
+    ],
+)
+def test_answers_that_cannot_be_are_refused(turned, counts, said):
+    with pytest.raises(ValueError, match=said):
+        joint_servo(MG90, 102, 0, turned, counts, (-0.5, 0.5))

@@ -11,6 +11,7 @@ from sim.cli import main
 from sim.commands import studies
 from sim.studies import designing
 from sim.studies.designing import DIRECTIONS, designs, directions
+from tests.commands import full_disk
 
 
 def test_the_quick_test_knows_the_shipped_design_and_one_that_cannot(hexapod):
@@ -95,8 +96,10 @@ def test_an_interrupted_search_keeps_its_designs(tmp_path, monkeypatch, capsys):
         "found.parquet has 2 of 9 designs; start again: stratawalk design hexapod "
         "--designs 9 --walks 0 --out found-2.parquet\n"
     )
-    assert main(few) == 130
-    assert "nothing is kept; start again: stratawalk" in capsys.readouterr().err
+    monkeypatch.setattr(studies, "write_table", full_disk)
+    for words, code in ((few, 130), ([*few, "--out", "none.parquet"], 6)):
+        assert main(words) == code
+        assert "nothing is kept; start again: stratawalk" in capsys.readouterr().err
 
 
 def test_a_design_that_cannot_be_checked_says_why(hexapod, monkeypatch):
