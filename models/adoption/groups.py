@@ -180,7 +180,8 @@ class _Legs(NamedTuple):
 
 
 TRIED_ANGLES = 16  # angles that are tried, on each side
-CLEARANCE = 1e-3  # [m] that parts keep from one another
+CLEARANCE = 1e-3  # [m] that parts keep from one another, or
+NARROW = 0.01  # of the farthest that a foot reaches out, where that is less
 FLUSH = 1e-5  # [m] to which distances are known
 
 Swings = Mapping[int, float]  # place of a limb -> its joint's angle per group's angle
@@ -227,7 +228,8 @@ class _Trial:
         self, pose: Pose, limbs: Sequence[Limb], groups: Sequence[Swings], lift: float
     ) -> None:
         model = copy(pose.model)
-        model.geom_margin[:] = CLEARANCE
+        reach = max(float(np.hypot(*(limb.toe[:2] - limb.hip))) for limb in limbs)
+        model.geom_margin[:] = min(CLEARANCE, NARROW * reach)
         self._pose = Pose(model, mujoco.MjData(model), pose.root)
         self._pose.data.qpos[:] = pose.data.qpos
         self._rest = [(pose.angle(m.swing), pose.angle(m.lift)) for m in limbs]

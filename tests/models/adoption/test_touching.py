@@ -33,14 +33,12 @@ def few(monkeypatch):
     monkeypatch.setattr(tried, "TRIED_ANGLES", LEVELS)
 
 
-def trial(parts, groups=ALONE, lift=0.5, second=SECOND):
+def trial(parts, groups=ALONE, lift=0.5, second=SECOND, reach=0.2):
     legs = LEG.format(n=0, y=0) + LEG.format(n=1, y=second)
     model = mujoco.MjModel.from_xml_string(MODEL.format(parts=parts, legs=legs))
     pose = Pose.at(model, model.body("trunk").id, model.qpos0)
-    limbs = [
-        Limb(f"s{n}", f"l{n}", (), f"shin{n}", np.zeros(2), np.zeros(3), 1.0, -1.0)
-        for n in range(2)
-    ]
+    toe, hip = np.array([reach, 0.0, 0.0]), np.zeros(2)
+    limbs = [Limb(f"s{n}", f"l{n}", (), f"shin{n}", hip, toe, 1, -1) for n in range(2)]
     return _Trial(pose, limbs, groups, lift)
 
 
@@ -50,6 +48,12 @@ def ball(name, x, y, z, size=0.03):
 
 def at(angle, length=0.2):
     return length * np.cos(angle), length * np.sin(angle)
+
+
+@pytest.mark.parametrize(("reach", "kept"), [(0.2, CLEARANCE), (0.05, 5e-4)])
+def test_parts_keep_a_millimetre_apart_or_a_hundredth_of_a_short_leg(reach, kept):
+    """The same robot of a twentieth the size swings as far."""
+    assert trial("", reach=reach)._pose.model.geom_margin[0] == pytest.approx(kept)
 
 
 def test_where_nothing_is_near_nothing_touches():
