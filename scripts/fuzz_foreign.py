@@ -104,16 +104,19 @@ def servos(folder: Path, rng: random.Random) -> list[str]:
 def log(folder: Path, rng: random.Random) -> list[str]:
     """A gait or a robot's log, to play or to fit servos to."""
     text = ROOT.joinpath("examples", "tripods.csv").read_text()
-    head, *rows = [line.split(",") for line in text.splitlines()[: rng.randint(9, 30)]]
-    if measured := rng.random() < 0.7:
+    fitted = rng.random() < 0.4  # which takes twenty rows, and where the body was
+    few = 60 if fitted else rng.randint(9, 30)
+    head, *rows = [line.split(",") for line in text.splitlines()[:few]]
+    if rng.random() < 0.7:
         head += [f"measured.{name}" for name in head[1:]]
         rows = [[*row, *row[1:]] for row in rows]
-    if posed := rng.random() < 0.5:
+    if fitted or rng.random() < 0.5:
         head += BODY
-        rows = [[*row, f"{n / 999}", "0", "", "nan", "1"] for n, row in enumerate(rows)]
+        yaw = "0" if fitted else ""
+        rows = [[*r, f"{n / 999}", "0", yaw, "nan", "1"] for n, r in enumerate(rows)]
     text = "".join(",".join(row) + "\n" for row in (head, *rows))
     write(folder / "mine.csv", mutated(text, rng))
-    if (measured or posed) and rng.random() < 0.5:
+    if fitted:
         return ["fit", "hexapod", "mine.csv", "--out", "found.toml"]
     units = rng.choice(("radians", "radians", "degrees"))
     return ["play", "hexapod", "mine.csv", "--no-video", "--units", units]

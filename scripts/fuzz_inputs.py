@@ -4,6 +4,7 @@ Every kind is a function that writes its files into a folder and returns the wor
 the command to run there.
 """
 
+import json
 import random
 import re
 import tempfile
@@ -79,9 +80,8 @@ def _read(*parts: str) -> str:
 def scenario(folder: Path, rng: random.Random) -> list[str]:
     """A mutated scenario, planned."""
     name = rng.choice(("line", "ellipse", "diagonal", "corridor"))
-    text = f"segments = 6\nplan_time = {PLAN_TIME}\n" + re.sub(
-        r"segments = \d+\n", "", _read("sim", "scenarios", f"{name}.toml")
-    )
+    own = _read("sim", "scenarios", f"{name}.toml")
+    text = f"plan_time = {PLAN_TIME}\n{own}"
     write(folder / "mine.toml", mutated(text, rng))
     return ["plan", "mine.toml"]
 
@@ -112,7 +112,7 @@ def _plan() -> str:
         problem = load_system(path)
         made = plan(problem.system, problem.path, 2, ["roll", "turn", "[roll,turn]"])
         save_plan(made, path.with_suffix(".json"))
-        return path.with_suffix(".json").read_text().replace(", ", ",\n")
+        return json.dumps(json.loads(path.with_suffix(".json").read_text()), indent=0)
 
 
 def archive(folder: Path, rng: random.Random) -> list[str]:

@@ -23,6 +23,7 @@ def main() -> int:
     signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDS)  # they waited for this
     _prepare_streams()
     gc.set_threshold(50_000)  # objects between searches for garbage: most last
+    os.environ["PYTHONSAFEPATH"] = "1"  # no process takes modules of a working folder
     if not sys.warnoptions:
         warnings.simplefilter("ignore")  # libraries' hints to programmers
         os.environ["PYTHONWARNINGS"] = "ignore"  # in processes that are begun, too

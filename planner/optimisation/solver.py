@@ -25,6 +25,7 @@ Expression = Any  # of CasADi, or the module itself, which have no types
 QUIET = {
     "ipopt.print_level": 0,
     "ipopt.sb": "yes",
+    "ipopt.option_file_name": "",  # or what lies in the working folder is obeyed
     "print_time": False,
     "ipopt.max_iter": 250,
     "ipopt.tol": 1e-6,

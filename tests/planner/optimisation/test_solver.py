@@ -49,6 +49,15 @@ def test_the_time_to_plan_in_holds_during_a_solution():
         solved(rosenbrock())
 
 
+def test_options_that_lie_in_the_working_folder_are_not_obeyed(tmp_path, monkeypatch):
+    """Which name files that are written, and libraries whose code is run."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "ipopt.opt").write_text(f"output_file {tmp_path / 'written'}\n")
+    x = ca.MX.sym("x")
+    assert Ipopt({"x": x, "f": x**2, "g": x})(x0=np.ones(1)) is not None
+    assert not (tmp_path / "written").exists()
+
+
 def test_a_program_without_a_solution_has_none():
     x = ca.MX.sym("x")
     ipopt = Ipopt({"x": x, "f": x, "g": x**2})

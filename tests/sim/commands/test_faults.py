@@ -1,5 +1,6 @@
 """Inputs and surroundings that once ended the command with a traceback."""
 
+import os
 import signal
 import subprocess
 import sys
@@ -243,3 +244,31 @@ def test_ctrl_c_is_answered_while_a_users_model_compiles(robot, tmp_path):
 def test_words_of_a_program_that_no_shell_has_are_refused(words, capsys):
     assert main(words) == 2
     assert "is no text in UTF-8: stratawalk; rename it" in capsys.readouterr().err
+
+
+SPAWNING = """
+import sys
+from multiprocessing import get_context
+from sim import cli, start
+def walked():
+    child = get_context("spawn").Process(target=print, args=("it ran",))
+    child.start()
+    child.join()
+    return child.exitcode
+if __name__ == "__main__":
+    cli.main = walked
+    sys.exit(start.main())
+"""
+
+
+def test_processes_take_no_modules_of_the_working_folder(tmp_path):
+    """Whose names may be those of Python's own."""
+    (tmp_path / "multiprocessing.py").write_text("raise SystemExit('a stranger ran')")
+    (tmp_path / "bin").mkdir()
+    (tmp_path / "bin" / "start.py").write_text(SPAWNING)
+    done = subprocess.run(
+        [sys.executable, "bin/start.py"],
+        cwd=tmp_path, env=os.environ | {"PYTHONPATH": os.getcwd()},
+        capture_output=True, text=True,
+    )  # fmt: skip
+    assert (done.returncode, done.stdout, done.stderr) == (0, "it ran\n", "")
