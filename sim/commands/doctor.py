@@ -148,7 +148,7 @@ def _packages() -> str:
         more = f", and {len(differ) - SHOWN} more" if differ[SHOWN:] else ""
         anew = " ".join(f"'{wanted}'" for wanted in dict(differ))
         raise FilesError(wrong + more, "packages", f"{REINSTALL} --no-deps {anew}")
-    return "versions as wanted, every file as it was installed"
+    return "versions as wanted, every file as its package lists it"
 
 
 def differences() -> Iterator[tuple[str, str]]:
