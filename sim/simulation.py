@@ -41,6 +41,7 @@ class Prepared:
     steps: int  # of the physics; an estimate if it plans on the way
     fallback: str | None  # why a plan is stratified where a shorter one was asked for
     least_time: float | None = None  # [s] of any plan within the same tolerances
+    hurried: bool = False  # whether the search for the plan was ended early
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,8 +80,9 @@ class Simulation:
     @cached_property
     def summary(self) -> Summary:
         """The numbers of summary.json."""
-        planned = self.prepared.fallback, self.prepared.least_time
-        return summarise(self.evaluation, self.timing, *planned, missed=self.missed)
+        prepared, timing = self.prepared, self.timing
+        planned = prepared.fallback, prepared.least_time, prepared.hurried
+        return summarise(self.evaluation, timing, *planned, missed=self.missed)
 
     def __str__(self) -> str:
         return describe(self.summary)
@@ -228,7 +230,8 @@ def _prepared(setup: Setup, problem: ScenarioProblem | None) -> Prepared:
     steps = expected_steps(setup, plan)
     check_effort(setup, steps)
     least = problem.least_time if problem else None
-    return Prepared(scenario, setup, plan, steps, fallback, least)
+    hurried = problem is not None and problem.is_hurried
+    return Prepared(scenario, setup, plan, steps, fallback, least, hurried)
 
 
 def _further(setup: Setup, reached: Array) -> GoalOffset:

@@ -83,6 +83,11 @@ class Optimiser:
         self._search = Search(task, path, self.score, guessed, report, hops)
         self._refinement = Refinement(task, path)
 
+    @property
+    def is_hurried(self) -> bool:
+        """Whether Ctrl-C or the end of the time to plan in has ended the search."""
+        return self._search.hurried
+
     @cached_property
     def _solutions(self) -> list[Solution]:
         return self._search.run()

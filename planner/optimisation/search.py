@@ -46,7 +46,7 @@ class Search(WindowSearch):
         try:
             rounded = Search(self.task.rounded, *given)
             done = rounded._along(self.task.rungs)
-            self.found = rounded.found
+            self.found, self.hurried = rounded.found, rounded.hurried
             return done
         except BoundError:
             return self._along(())

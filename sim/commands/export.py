@@ -130,7 +130,7 @@ def _written(
 
     Angles that are written as such have no counts, which is 0.
     """
-    from sim.export.servo_table import read_ros_table
+    from sim.export.ros_table import read_ros_table
     from sim.export.source import read, servos, write
 
     given = read_ros_table(Path(options.servo_table)) if options.servo_table else None

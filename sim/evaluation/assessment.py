@@ -175,6 +175,7 @@ def summarise(
     timing: Mapping[str, float] | None = None,
     fallback: str | None = None,
     least_time: float | None = None,
+    hurried: bool = False,
     missed: Sequence[float] = (),
 ) -> Summary:
     """The numbers of summary.json, unrounded; what follows `timing` is of the plan.
@@ -263,6 +264,7 @@ def summarise(
         versions=versions(),
         fallback=fallback,
         least_time=least_time,
+        hurried=hurried,
         missed=list(missed),
         timing=dict(timing or {}),
     )

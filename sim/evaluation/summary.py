@@ -232,6 +232,7 @@ class Summary(Numbers):
     seals: Mapping[str, str | None] | None = None  # of the files of a run folder
     fallback: str | None = None
     least_time: float | None = None  # [s] of an optimised plan, holds left out
+    hurried: bool = False  # whether the search for the plan was ended early
     missed: list[float] = field(default_factory=list)  # off the goal, by walk [m]
     timing: Mapping[str, float] = field(default_factory=dict)  # [s]
 

@@ -1,32 +1,22 @@
-"""The servos of a robot: on which channel each joint is, and its angle in counts.
-
-Tables also come as ROS packages have them, in YAML: each servo has `name` (of its
-joint), `id`, `ticks` over `max_radians`, `center`, `sign` and `offset`, in a list or
-in a table by any keys, on their own or under `SERVOS`.
-"""
+"""The servos of a robot: on which channel each joint is, and its angle in counts."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from math import degrees, inf, pi, radians
-from pathlib import Path
-from typing import Any
+from math import degrees, inf, pi
 
 import numpy as np
-import yaml
 
 from models import SERVO_KINDS, Card, JointServo, ServoKind
 from models.description import (
     BOARD_CLOCK,
     BOARD_COUNTS as FRAME,
-    Table,
     board_divider,
     board_rate,
     servo_of,
 )
 from planner import Array
-from planner.support import read_file
-from sim.errors import UsageError, telling
+from sim.errors import UsageError
 from sim.export.servo_commands import ServoCommands
 
 FRAMES = (24.0, 1526.0)  # that a PCA9685 can give in a second
@@ -213,84 +203,3 @@ def _outside(servo: Channel, angle: float, low: float, high: float) -> UsageErro
     facts = {"angle": angle, "degrees": degrees(angle), "low": low, "high": high}
     place = f"channel {servo.channel}"
     return UsageError.of("outside", place, joint=servo.joint, **facts)
-
-
-YAML_BYTES = 10**5  # bytes, of which the reader takes a second
-ROS = "name", "id", "ticks", "center", "max_radians", "sign", "offset"  # of a servo
-REMEDY = "give every servo name, id, ticks, center, max_radians, sign, offset"
-
-
-class RosLoader(yaml.SafeLoader):  # type: ignore[misc]
-    """YAML with rosparam's degrees, without aliases: gigabytes in a line."""
-
-    def compose_node(self, parent: yaml.Node, index: object) -> yaml.Node:
-        """The next node, which must stand there itself."""
-        if self.check_event(yaml.AliasEvent):
-            place = self.peek_event().start_mark
-            raise yaml.MarkedYAMLError(None, None, "write aliases out", place)
-        return super().compose_node(parent, index)
-
-    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> Any:
-        """A table in which no key stands twice, since the last would count."""
-        pairs = node.value if isinstance(node, yaml.MappingNode) else []
-        names = [str(key.value) for key, _ in pairs]
-        for place, (key, _) in enumerate(pairs):
-            if names[place] in names[:place]:
-                what = f"{names[place]!r} stands there twice"
-                raise yaml.MarkedYAMLError(None, None, what, key.start_mark)
-        return super().construct_mapping(node, deep)
-
-
-def _angle(loader: yaml.SafeLoader, node: yaml.Node) -> float:
-    return float(str(loader.construct_scalar(node)))  # type: ignore[arg-type]
-
-
-RosLoader.add_constructor("!degrees", lambda *given: radians(_angle(*given)))
-RosLoader.add_constructor("!radians", _angle)
-
-
-def read_ros_table(path: Path) -> dict[str, JointServo]:
-    """Read the servos of a robot, by the names of their joints."""
-    with telling("cannot be read", path, "give a YAML file", UsageError):
-        text = read_file(path, YAML_BYTES)
-    try:
-        read = yaml.load(text, Loader=RosLoader)  # noqa: S506
-    except (LookupError, AttributeError) as error:  # of a tag such as !!bool
-        raise UsageError("a value not of its tag !!", str(path), REMEDY) from error
-    except (yaml.YAMLError, ValueError, RecursionError, OverflowError) as error:
-        reason = " ".join(str(error).split())
-        raise UsageError(f"not YAML, {reason}", str(path), REMEDY) from error
-    listed = read.get("SERVOS", read) if isinstance(read, dict) else read
-    servos = list(listed.values()) if isinstance(listed, dict) else listed
-    if not (isinstance(servos, list) and servos):
-        raise UsageError("no servos", str(path), REMEDY)
-    table: dict[str, JointServo] = {}
-    try:
-        for number, servo in enumerate(servos, start=1):
-            joint, found = _servo(Table(servo, f"servo {number}", ROS))
-            if joint in table:
-                raise ValueError(f"servo {number}: {joint!r} is there twice")
-            table[joint] = found
-    except ValueError as error:
-        raise UsageError(str(error), str(path), REMEDY) from error
-    return table
-
-
-def _servo(given: Table) -> tuple[str, JointServo]:
-    ticks, turned = given.number("ticks"), given.number("max_radians")
-    center, sign = given.number("center"), given.number("sign", 1)
-    offset = given.number("offset", 0.0)
-    if not (ticks > 0 and turned > 0):
-        raise ValueError(f"{given.where}: ticks and max_radians must be positive")
-    ends = sorted(
-        offset + sign * (count - center) * turned / ticks for count in (0, ticks - 1)
-    )
-    return str(given.get("name")), given.make(
-        JointServo,
-        channel=given.whole("id"),
-        sign=sign,
-        center=center,
-        offset=offset,
-        counts_per_radian=ticks / turned,
-        limits=(ends[0], ends[1]),
-    )

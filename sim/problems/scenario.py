@@ -232,6 +232,11 @@ class ScenarioProblem(Problem):
             return None
         return least_time(self.centre.setup, *self.centre.within)
 
+    @property
+    def is_hurried(self) -> bool:
+        """Whether the search for an optimised plan was ended early."""
+        return self.objective != "none" and self.centre._optimiser.is_hurried
+
     @cached_property
     def _optimiser(self) -> Optimiser:
         setup = self.setup

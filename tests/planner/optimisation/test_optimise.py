@@ -228,7 +228,9 @@ def stopped_by(error, monkeypatch, found):
 @pytest.mark.parametrize("error", [KeyboardInterrupt(), BudgetError(1.0, "")])
 def test_a_search_that_is_stopped_ends_with_the_best_so_far(monkeypatch, error):
     stopped_by(error, monkeypatch, found=True)
-    assert rollout(optimised().plan())[-1] == pytest.approx(STEP(1.0), abs=1e-6)
+    optimiser = optimised()
+    assert rollout(optimiser.plan())[-1] == pytest.approx(STEP(1.0), abs=1e-6)
+    assert optimiser.is_hurried
 
 
 @pytest.mark.parametrize("error", [KeyboardInterrupt(), BudgetError(1.0, "")])
@@ -246,6 +248,7 @@ def test_work_that_is_done_is_reported_as_it_grows():
     assert len(reported) > 5
     assert reported == sorted(reported)
     assert reported[-1] == 1.0
+    assert not optimiser.is_hurried
 
 
 def test_a_missing_solver_is_told_with_the_way_out(monkeypatch):

@@ -16,8 +16,9 @@ from sim.commands import export
 from sim.errors import UsageError
 from sim.export import served, source
 from sim.export.header import FIRST, LONGEST_RUN, pack, unpack
+from sim.export.ros_table import read_ros_table
 from sim.export.servo_commands import ServoCommands
-from sim.export.servo_table import FRAMES, Channel, ServoTable, read_ros_table
+from sim.export.servo_table import FRAMES, Channel, ServoTable
 
 COUNTS = np.cumsum(
     [[0] * 7, [31] * 7, [-31] * 7, [32] * 7, [4095 - 32] * 7, [0, 1, 0, 0, 0, 0, 0]],

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from sim.errors import UsageError
-from sim.export.servo_table import read_ros_table, servo_table
+from sim.export.ros_table import read_ros_table
+from sim.export.servo_table import servo_table
 from tests.sim.export.test_source import CARD, JOINTS, MG90
 
 SERVO = (
@@ -73,16 +74,19 @@ def test_servos_may_stand_under_a_name_and_have_keys_of_their_own(tmp_path):
         ("x: !!map [a, b]", "not YAML"),
         (listed().replace("sign: -1", "sign: -1, sign: 1", 1), "'sign' stands there"),
         (listed().replace("1024", "1" + "0" * 400), "ticks must be a number"),
-        (listed().replace("512", ".inf"), "center must be a number, got inf"),
+        (listed().replace("512", ".inf"), ".inf is no decimal number"),
         ("- &a 1\n- *a\n", "write aliases out in .*line 2"),
         (listed().replace("512", "x"), "center must be a number, got 'x'"),
         (listed().replace("id: 20", "id: x"), "id must be a whole number"),
+        (listed().replace("id: 20", "id: 020"), "020 is no decimal number, such as 10"),
+        (listed().replace("id: 20", "id: 1:10"), "1:10 is no decimal number"),
+        (listed().replace("id: 20", "id: 0x10"), "0x10 is no decimal number"),
         (listed().replace("1024", "0"), "must be positive"),
         (listed().replace("sign: -1", "sign: 3"), "sign must be 1 or -1"),
         (listed().replace("swing_2", "swing_1"), "'swing_1' is there twice"),
         ("!!python/object/apply:os.getcwd []", "not YAML"),
-        ('!!int ""', "not of its tag"),
-        ('!!float ""', "not of its tag"),
+        ('!!int ""', "is no decimal number"),
+        ('!!float ""', "is no decimal number"),
         ('!!timestamp "x"', "not of its tag"),
         ('!!bool "x"', "not of its tag"),
     ],

@@ -11,8 +11,9 @@ from models import SERVO_KINDS
 from models.description import board_rate
 from models.description.servos import JointServo
 from sim.errors import UsageError
+from sim.export.ros_table import read_ros_table
 from sim.export.servo_commands import ServoCommands, taken
-from sim.export.servo_table import Channel, ServoTable, read_ros_table, servo_table
+from sim.export.servo_table import Channel, ServoTable, servo_table
 
 STRETCH = 4000  # steps of one record at most: a tenth of a second of work as a rule
 
