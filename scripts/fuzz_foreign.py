@@ -104,19 +104,20 @@ def servos(folder: Path, rng: random.Random) -> list[str]:
 def log(folder: Path, rng: random.Random) -> list[str]:
     """A gait or a robot's log, to play or to fit servos to."""
     text = ROOT.joinpath("examples", "tripods.csv").read_text()
-    fitted = rng.random() < 0.4  # which takes twenty rows, and where the body was
-    few = 60 if fitted else rng.randint(9, 30)
+    what = rng.choice(("", "", "measured", "posed"))  # that is fitted; both take longer
+    few = 22 if what else rng.randint(9, 30)
     head, *rows = [line.split(",") for line in text.splitlines()[:few]]
-    if rng.random() < 0.7:
-        head += [f"measured.{name}" for name in head[1:]]
-        rows = [[*row, *row[1:]] for row in rows]
-    if fitted or rng.random() < 0.5:
+    if what == "measured" or not what and rng.random() < 0.7:
+        last = 2 if what else len(head)  # a joint is fitted in a second
+        head += [f"measured.{name}" for name in head[1:last]]
+        rows = [[*row, *row[1:last]] for row in rows]
+    if what == "posed" or not what and rng.random() < 0.5:
         head += BODY
-        yaw = "0" if fitted else ""
+        yaw = "0" if what else ""
         rows = [[*r, f"{n / 999}", "0", yaw, "nan", "1"] for n, r in enumerate(rows)]
     text = "".join(",".join(row) + "\n" for row in (head, *rows))
     write(folder / "mine.csv", mutated(text, rng))
-    if fitted:
+    if what:
         return ["fit", "hexapod", "mine.csv", "--out", "found.toml"]
     units = rng.choice(("radians", "radians", "degrees"))
     return ["play", "hexapod", "mine.csv", "--no-video", "--units", units]

@@ -29,7 +29,7 @@ from sim.folder import require_free, require_writable, whole
 from sim.logs.log import Log
 from sim.preparation.setup import Setup
 from sim.preparation.shared import built
-from sim.scenarios.declaration import read
+from sim.scenarios.declaration import LEAST, read
 from sim.scenarios.settings import SETTINGS
 
 LONGEST_DELAY = 0.3  # [s]; delay that is looked for
@@ -62,12 +62,13 @@ class JointFit:
         found: dict[str, tuple[Value, Value]] = {}
         for k, parameter in enumerate(self.make.parameters):
             number, off = self.make.of(k)
-            none = parameter.low == 0 and number < SHOWS * off
+            none = parameter.low == 0 and number < max(SHOWS * off, LEAST)
             if self.make.seen[0, k]:
                 found[parameter.setting] = 0.0 if none else number, off
         for k, parameter in enumerate(self.own.parameters):
             if (seen := self.own.seen[:, k]).any():
-                both = np.where(seen, [self.own.value[:, k], self.own.error[:, k]], 0.0)
+                both = np.array([self.own.value[:, k], self.own.error[:, k]])
+                both[:, ~seen | (np.abs(both[0]) < LEAST)] = 0.0
                 of = [dict(zip(self.joints, n.tolist(), strict=True)) for n in both]
                 value, error = ([n.get(joint, 0.0) for joint in joints] for n in of)
                 found[parameter.setting] = value, error
@@ -107,11 +108,12 @@ def _fitted_model(setup: Setup, log: Log, whole: Array) -> mujoco.MjModel:
     """The world of a robot whose servos are like those that were found, (J, 6)."""
     own = dict(zip(log.joints, whole[:, 2].tolist(), strict=True))
     stiffness, damping = np.exp(whole[0, :2]).tolist()
+    backlash = float(whole[0, 3])
     found = replace(
         setup.scenario.as_planned,
         servo_stiffness=stiffness,
         servo_damping=damping,
-        backlash=float(whole[0, 3]),
+        backlash=backlash if backlash >= LEAST else 0.0,
         dead_band=tuple(
             max(own.get(joint, 0.0), NARROWEST) for joint in setup.robot.card.joints
         ),

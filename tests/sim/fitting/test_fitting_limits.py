@@ -1,5 +1,6 @@
 """Which rows are fitted, and what is too small to be found."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -33,6 +34,16 @@ def test_backlash_of_less_than_two_standard_errors_is_none(value, none, low):
     found, error = fit.settings(["hip"])["slack"]
     assert error == pytest.approx(1.0)
     assert found == pytest.approx(0.0 if none and low == 0 else value)
+
+
+def test_slack_that_no_scenario_takes_is_none():
+    """Below a billionth of a radian, however small its error is."""
+    one = Parameter(name="a", unit="", spread=1.0, step=1.0, low=0.0, setting="slack")
+    other = replace(one, setting="bands")
+    make, own = (estimates([p], [4e-12], [1e-13]) for p in (one, other))
+    fit = JointFit(("hip",), make, make, own, np.zeros(1), np.zeros(1))
+    found = fit.settings(["hip"])
+    assert (found["slack"][0], found["bands"][0]) == (0.0, [0.0])
 
 
 @pytest.mark.parametrize(("mass", "place"), [(0.04, 0.5), (0.03, 2 / 3), (0.01, 2 / 3)])

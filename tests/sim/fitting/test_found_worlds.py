@@ -32,6 +32,8 @@ def test_a_fitted_world_has_the_stiffness_damping_slack_and_bands_that_were_foun
         slack = model.joint(f"backlash_{joint}").range
         assert slack == pytest.approx([-0.003, 0.003])
         assert band_in(model, joint) == pytest.approx(band or NARROWEST)
+    whole[:, 3] = 4e-12  # which no scenario takes
+    assert fitting._fitted_model(setup, log, whole).njnt == setup.model.njnt
 
 
 def test_a_robot_of_several_files_or_one_with_its_card_keeps_its_model(tmp_path):
