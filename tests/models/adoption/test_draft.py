@@ -89,6 +89,19 @@ def test_legs_of_a_group_swing_in_ratios_of_small_whole_numbers(write, tmp_path)
     assert gains.min() > 0.1
 
 
+def test_a_trunk_may_be_fixed_to_an_empty_root(tmp_path):
+    """As robots are written whose root is but a frame."""
+    path = next(one for one in ADOPTEES if one.name == "spider").write(tmp_path)
+    text = path.read_text()
+    card = draft_card(source_of(str(path))).card
+    own = '<body name="trunk" pos="0 0 0.3">\n      <freejoint/>'
+    apart = own.replace("trunk", "base") + '<body name="trunk">'
+    head, tail = text.replace(own, apart).rsplit("</body>", 1)
+    assert head.count(apart) == 1
+    path.write_text(f"{head}</body></body>{tail}")
+    assert draft_card(source_of(str(path))).card == card
+
+
 def test_straight_knees_are_bent_to_stand(drafted):
     robot, found = drafted(ADOPTEES[0])
     assert "knees were bent" in found.guesses[0]
