@@ -90,15 +90,10 @@ def test_legs_of_a_group_swing_in_ratios_of_small_whole_numbers(write, tmp_path)
 
 
 def test_a_trunk_may_be_fixed_to_an_empty_root(tmp_path):
-    """As robots are written whose root is but a frame."""
-    path = next(one for one in ADOPTEES if one.name == "spider").write(tmp_path)
-    text = path.read_text()
-    card = draft_card(source_of(str(path))).card
-    own = '<body name="trunk" pos="0 0 0.3">\n      <freejoint/>'
-    apart = own.replace("trunk", "base") + '<body name="trunk">'
-    head, tail = text.replace(own, apart).rsplit("</body>", 1)
-    assert head.count(apart) == 1
-    path.write_text(f"{head}</body></body>{tail}")
+    text = (path := ADOPTEES[0].write(tmp_path)).read_text()
+    card, free = draft_card(source_of(str(path))).card, "      <freejoint/>"
+    text = text.replace(free, f'{free}<body name="own">').replace('"trunk"', '"base"')
+    path.write_text("</body></body>".join(text.rsplit("</body>", 1)))
     assert draft_card(source_of(str(path))).card == card
 
 
