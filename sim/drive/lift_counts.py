@@ -42,7 +42,8 @@ class LiftCounts:
         robot, resolution = self.setup.robot, self.setup.servo.resolution
         down = lift < PASSED * resolution  # (n, G)
         sets, which = np.unique(down, axis=0, return_inverse=True)
-        bent = np.array([self._bent(groups) for groups in sets])[which.ravel()]
+        known = np.array([self._bent(groups) for groups in sets])
+        bent = known.reshape(len(sets), lag.shape[1])[which.ravel()]  # also of none
         if rehearsed is not None:
             now = rehearsed / resolution
             bent = np.where(np.abs(now - bent) <= TRUSTED, bent, now)

@@ -57,6 +57,12 @@ def test_a_standing_leg_keeps_one_count_for_as_long_as_the_same_feet_stand(
         assert (counts[rows][:, feet] == counts[rows][0, feet]).all()
 
 
+def test_between_two_commands_there_are_no_counts(setup):
+    """As where a robot stands for less than the time from one to the next."""
+    counts = LiftCounts(setup, feed_forward=True)
+    assert counts.at(np.zeros((0, 2)), np.zeros((0, 6))).shape == (0, 6)
+
+
 def test_a_foot_passes_the_heights_at_which_it_may_touch_in_one_command(setup, lifted):
     lift, counts = lifted
     raised = lift[:, setup.robot.group_of_leg]
