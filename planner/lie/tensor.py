@@ -28,15 +28,8 @@ class Tensor:
 
     def __mul__(self, other: "Tensor") -> "Tensor":
         a, b = self.levels, other.levels
-        return Tensor(
-            tuple(
-                sum(
-                    (_outer(a[i], b[n - i]) for i in range(1, n + 1)),
-                    _outer(a[0], b[n]),
-                )
-                for n in range(len(a))
-            )
-        )
+        terms = ([_outer(a[i], b[n - i]) for i in range(n + 1)] for n in range(len(a)))
+        return Tensor(tuple(sum(own[1:], own[0]) for own in terms))
 
     def divided_by(self, number: int) -> "Tensor":
         """The series divided by an integer, exact if its entries are."""
