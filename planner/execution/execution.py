@@ -14,7 +14,7 @@ import gc
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
-from itertools import chain
+from itertools import chain, product
 from typing import Literal, get_args
 
 import numpy as np
@@ -151,8 +151,7 @@ class Execution:
         else:
             signs = nearest_signs(extended, hall_coordinates, nominal, orders)
             measured, units = steering.measured(hall_coordinates, nominal[:-1])
-            scales = units * signs
-            ways = [steering.scaled_words(measured, o, scales) for o in orders]
+            ways = [steering.scaled_words(measured, o, units * signs) for o in orders]
         words = list(zip(*ways, strict=True))
         if self.gait:
             ordered = regroup_in_gait(extended.grouper, words, self.gait, ends[0])
@@ -181,8 +180,7 @@ def nearest_words(
     hall_coordinates, units = steering.measured(hall_coordinates, nominal[:-1])
     ways = [
         steering.scaled_words(hall_coordinates, order, units * signs)
-        for signs in every
-        for order in ORDERS
+        for signs, order in product(every, ORDERS)
     ]
     misses = _misses(extended.system, ways, nominal[:-1], nominal[1:])
     nearest = list[Word]()
@@ -211,8 +209,7 @@ def nearest_signs(
     )
     ways = [
         steering.scaled_words(coordinates, order, units * signs)
-        for signs in steering.signs
-        for order in orders
+        for signs, order in product(steering.signs, orders)
     ]
     missed = _misses(extended.system, ways, starts, goals).sum(axis=1)
     misses = missed.reshape(len(steering.signs), -1).min(axis=1)
