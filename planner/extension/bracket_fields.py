@@ -77,15 +77,9 @@ def hall_fields(
     zero = frozenset(e for e, gone in zip(full, zeros, strict=True) if gone)
     ideal = _largest_ideal(zero, full, len(generators))
     elements = tuple(e for e in full if e not in ideal)
-    return HallFields(
-        generators=tuple(generators),
-        elements=elements,
-        names=tuple(str(renumbered(e, generators)) for e in elements),
-        fields=tuple(fields[e] for e in elements),
-        vanishing=zero - ideal,
-        clashing=clashing,
-        entangled=numbers,
-    )
+    names = tuple(str(renumbered(e, generators)) for e in elements)
+    known = tuple(generators), elements, names, tuple(fields[e] for e in elements)
+    return HallFields(*known, zero - ideal, clashing, entangled=numbers)
 
 
 def renumbered(element: Element, generators: Sequence[Any]) -> Any:

@@ -116,14 +116,9 @@ def stratified_panels(
     symbols = (system.state[angles[0]], system.state[angles[1]])
     known = {(s := system.state[i]): begin[s] for i in still if i not in turning}
     solved = _solved(rates, begin, symbols, known)
-    return StratifiedPanels(
-        strokes=strokes,
-        strata=(system.stratum_of[strokes[0]], system.stratum_of[strokes[1]]),
-        angles=symbols,
-        speeds=speeds,
-        rates=solved,
-        heights={name: _curl(pair, symbols) for name, pair in solved.items()},
-    )
+    strata = (system.stratum_of[strokes[0]], system.stratum_of[strokes[1]])
+    heights = {name: _curl(pair, symbols) for name, pair in solved.items()}
+    return StratifiedPanels(strokes, strata, symbols, speeds, solved, heights)
 
 
 def _angles(

@@ -181,23 +181,13 @@ class Steering:
         self, hall_coordinates: Array, order: Spelled, scales: Array
     ) -> list[Spelling]:
         plain: Order = "backward" if order.startswith("backward") else "forward"
-        return spellings(
-            self.hall.elements,
-            hall_coordinates,
-            plain,
-            self.hall.vanishing,
-            turned=order.endswith("-turned"),
-            units=scales,
-        )
+        known = self.hall.elements, hall_coordinates, plain, self.hall.vanishing
+        return spellings(*known, turned=order.endswith("-turned"), units=scales)
 
     def _alternating(self, hall_coordinates: Array, scales: Array) -> list[Spelling]:
         spelled = self._spelled(hall_coordinates, "backward", scales)
-        mirrored = mirrored_spellings(
-            self.hall.elements,
-            hall_coordinates[1::2],
-            max(self.selected_degrees),
-            self.hall.vanishing,
-        )
+        known = self.hall.elements, hall_coordinates[1::2], max(self.selected_degrees)
+        mirrored = mirrored_spellings(*known, self.hall.vanishing)
         spelled[1::2] = map(scaled, mirrored, scales[1::2])
         return spelled
 

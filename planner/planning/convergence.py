@@ -126,11 +126,8 @@ def _misses(
     algebra = lie_algebra(longer.elements)
     beyond = [j for j, degree in enumerate(algebra.degrees) if degree == k + 1]
     tops = [longer.elements[j] for j in beyond]
-    fields = compile_fields(
-        [longer.fields[j] for j in beyond],
-        extended.system.state,
-        [longer.names[j] for j in beyond],
-    )
+    own, names = ([of[j] for j in beyond] for of in (longer.fields, longer.names))
+    fields = compile_fields(own, extended.system.state, names)
     spelled = steering.speller(exponential(steering.hall.elements, leading), samples)
     words = [pair for w in wordings for pair in zip(samples, spelled(w), strict=True)]
     size = len(longer.elements)

@@ -242,9 +242,8 @@ class _Steps:
                 return np.array([inf])
             half = len(steps) // 2
             return np.concatenate([self.left(steps[:half]), self.left(steps[half:])])
-        missed = self.system.length(
-            starts + steps - word_ends(self.system, words, starts, FLOW_NODES)
-        )
+        ends = word_ends(self.system, words, starts, FLOW_NODES)
+        missed = self.system.length(starts + steps - ends)
         parts: Array = missed / self.system.length(steps)
         return np.where(np.isfinite(parts), parts, inf)
 

@@ -126,9 +126,8 @@ class LevelSet:
     @cached_property
     def _gradients(self) -> fields.CompiledFields:
         slopes = self.differential.T
-        return fields.compile_fields(
-            [slopes.col(j) for j in range(slopes.cols)], self.state
-        )
+        columns = [slopes.col(j) for j in range(slopes.cols)]
+        return fields.compile_fields(columns, self.state)
 
 
 def _steepness(slopes: Array) -> Array:
