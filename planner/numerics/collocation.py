@@ -125,5 +125,4 @@ def _picard(
 
 def _largest(values: Array) -> Array:
     """Largest absolute value for each flow, of values (nodes, flows, n)."""
-    most: Array = np.abs(values).max(axis=0).max(axis=1)  # faster than both at once
-    return most
+    return np.abs(values).max(axis=0).max(axis=1)  # faster than both at once

@@ -127,7 +127,6 @@ def _function(function: type[sp.Expr], count: int) -> Callable[..., Array]:
     if function is sp.Pow:
         return np.float_power
     arguments = [sp.Dummy(real=True) for _ in range(count)]
-    compiled: Callable[..., Array] = sp.lambdify(
+    return sp.lambdify(
         arguments, function(*arguments, evaluate=False), modules=[KINKS, np]
     )
-    return compiled
