@@ -173,9 +173,8 @@ class Table:
         hint = ""
         if isinstance(value, float | int) and LARGEST_NUMBER < abs(value) < inf:
             hint = f"; none beyond {LARGEST_NUMBER:g} is taken"
-        raise ValueError(
-            f"{self._place(key)} must be {kind}, got {shortened(value)}{hint}"
-        )
+        wanted = f"must be {kind}, got {shortened(value)}{hint}"
+        raise ValueError(f"{self._place(key)} {wanted}")
 
     def _place(self, key: str) -> str:
         return f"{self.where}.{key}" if self.where else key

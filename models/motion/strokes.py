@@ -122,10 +122,8 @@ class Strokes:
         cos, sin = np.cos(yaw), np.sin(yaw)
         forward, left, turn = np.moveaxis(twist, -1, 0)
         velocity = (forward * cos - left * sin, forward * sin + left * cos, turn)
-        return Travel(
-            pose=Integral(panels.edges, np.stack(velocity, axis=-1)),
-            _slip_rates=partial(panels.slip_rates, twist, kinematics),
-        )
+        pose = Integral(panels.edges, np.stack(velocity, axis=-1))
+        return Travel(pose, partial(panels.slip_rates, twist, kinematics))
 
 
 class _Panels:

@@ -124,14 +124,10 @@ class Problem:
         """
         if aimed:
             return aim(self.extended, self.path, self.segments, self.execution)
-        if any(
-            planning.stratum_at(self.system, x) != self.system.bottom
-            for x in self.states
-        ):
-            ends = self.states
-            return planning.plan_between(
-                self.extended, *ends, self.segments, self.open_loop
-            )
+        bottom = self.system.bottom
+        if any(planning.stratum_at(self.system, x) != bottom for x in self.states):
+            asked = self.extended, *self.states, self.segments, self.open_loop
+            return planning.plan_between(*asked)
         return plan(self.extended, self.path, self.segments, execution=self.open_loop)
 
     def largest_fold(self, way: Array) -> float:
