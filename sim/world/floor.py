@@ -162,13 +162,9 @@ def add_bumps(spec: mujoco.MjSpec, floor: Floor, scenario: Scenario) -> None:
     drawn = np.random.default_rng([scenario.draw, 1]).standard_normal(sides[::-1])
     smooth = gaussian_filter(drawn, SMOOTHED_CELLS, mode="nearest")
     heights = (smooth - smooth.min()) / np.ptp(smooth)  # a row for each y
-    spec.add_hfield(
-        name=BUMPS,
-        ncol=int(sides[0]),
-        nrow=int(sides[1]),
-        size=[*half.tolist(), scenario.bumps, DEEP],
-        userdata=heights.ravel().tolist(),
-    )
+    columns, rows = sides.tolist()
+    size, heights = [*half.tolist(), scenario.bumps, DEEP], heights.ravel().tolist()
+    spec.add_hfield(name=BUMPS, ncol=columns, nrow=rows, size=size, userdata=heights)
     geom = spec.geom(floor.name)
     geom.type = mujoco.mjtGeom.mjGEOM_HFIELD
     geom.hfieldname = BUMPS

@@ -69,16 +69,9 @@ def _add_payload(spec: mujoco.MjSpec, robot: Robot, mass: float, *place: float) 
     if compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_FALSE:
         body.inertia, body.ipos = [0.4 * mass * size**2] * 3, [0, 0, 0]
         body.mass, body.explicitinertial = mass, True
-    body.add_geom(
-        spec.default,
-        name=PAYLOAD,
-        type=mujoco.mjtGeom.mjGEOM_SPHERE,
-        size=[size, 0, 0],
-        mass=mass,
-        group=compiler.inertiagrouprange[0],
-        contype=0,
-        conaffinity=0,
-    )
+    ball = {"type": mujoco.mjtGeom.mjGEOM_SPHERE, "size": [size, 0, 0], "mass": mass}
+    apart = {"group": compiler.inertiagrouprange[0], "contype": 0, "conaffinity": 0}
+    body.add_geom(spec.default, name=PAYLOAD, **ball, **apart)
 
 
 def _require_counts(robot: Robot, scenario: Scenario) -> None:
@@ -143,16 +136,9 @@ def add_loose(
 ) -> None:
     """Another joint about the axis of a joint, between stops a width apart [rad]."""
     joint = spec.joint(name)
-    loose = joint.parent.add_joint(
-        spec.default,  # and not that of the joint's body
-        name=prefix + joint.name,
-        type=mujoco.mjtJoint.mjJNT_HINGE,
-        pos=joint.pos,
-        axis=joint.axis,
-        limited=True,
-        solref_limit=STOP,
-        **own,
-    )
+    own |= {"type": mujoco.mjtJoint.mjJNT_HINGE, "pos": joint.pos, "axis": joint.axis}
+    own |= {"name": prefix + joint.name, "limited": True, "solref_limit": STOP}
+    loose = joint.parent.add_joint(spec.default, **own)  # not that of the joint's body
     far = degrees(width / 2) if loose.compiler.degree else width / 2
     loose.range = [-far, far]
 

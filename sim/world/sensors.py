@@ -40,13 +40,8 @@ def ensure_sensors(
     for geom in robot.card.feet:
         data = _FOUND | _FORCE | _PLACE | _SPEED, slots.get(spec.geom(geom).type, _MANY)
         _watch(spec, contact_sensor(geom), (_GEOM, floor), (_GEOM, geom), data)
-    _ensure(
-        spec,
-        name="center_of_mass",
-        type=mujoco.mjtSensor.mjSENS_SUBTREECOM,
-        objtype=mujoco.mjtObj.mjOBJ_BODY,
-        objname=robot.root,
-    )
+    body = {"objtype": mujoco.mjtObj.mjOBJ_BODY, "objname": robot.root}
+    _ensure(spec, "center_of_mass", type=mujoco.mjtSensor.mjSENS_SUBTREECOM, **body)
     _watch(spec, SELF_CONTACT, (_SUBTREE, robot.root), (_SUBTREE, robot.root))
 
 
