@@ -27,6 +27,9 @@ from sim.scenarios.predictions import OF_MOTIONS, PREDICTIONS, best
 from sim.versions import versions
 from sim.walking.finished import Walk
 
+TOLD = ("fields", "segments", "replan", "steer", "optimise", "correct", "swing_speed")
+"""Settings that the summary has under their own names."""
+
 
 @dataclass(frozen=True)
 class Evaluation:
@@ -83,9 +86,8 @@ class Evaluation:
         reach = setup.kinematics.reach
         if setup.motion is None:
             return deviations.Scale.of(setup.scenario.path, reach, made)
-        return deviations.Scale(
-            best(made), reach, self.way or deviations.LEAST_WAY * reach
-        )
+        way = self.way or deviations.LEAST_WAY * reach
+        return deviations.Scale(best(made), reach, way)
 
     @property
     def way(self) -> float:
@@ -121,10 +123,10 @@ def evaluate(
         >>> sorted(evaluate(walk).predicted)
         ['compliant', 'ideal', 'identified', 'quasi_static']
     """
-    known = (*PREDICTIONS, "creep_floor")
+    words = (*PREDICTIONS, "creep_floor")
     for word in without:
-        if word not in known:
-            raise refusal(word, f"some of {', '.join(known)}", "without")
+        if word not in words:
+            raise refusal(word, f"some of {', '.join(words)}", "without")
     predicted: dict[str, Prediction] = {}
     unpredicted: dict[str, str] = {}
     caches: dict[str, Cache] = {}
@@ -157,17 +159,10 @@ def evaluate(
     if "creep_floor" not in without:
         with stage(progress, "measuring the solver's creep"):
             creep = of_world(f"creep in {walk.duration} s", stand)
-    return Evaluation(
-        walk=walk,
-        achieved=achieved,
-        predicted=predicted,
-        unpredicted=unpredicted,
-        clearance=motions.clearances(walk, predicted),
-        walking=walking,
-        judged=judged,
-        deviation=deviations.deviations(walk, caches, poses),
-        creep_floor=creep,
-    )
+    clearance = motions.clearances(walk, predicted)
+    deviation = deviations.deviations(walk, caches, poses)
+    known = walk, achieved, predicted, unpredicted, clearance
+    return Evaluation(*known, walking, judged, deviation, creep_floor=creep)
 
 
 def summarise(
@@ -195,15 +190,15 @@ def summarise(
     switches, fastest = phases.commanded_pace(walk)
     strokes = phases.swing_travel(swings, setup.robot.groups, loaded=True)
     slip, judged = achieved.slip[-1], evaluation.judged
+    legs = map(str, setup.robot.legs)
     absent: dict[str, None] = dict.fromkeys(evaluation.unpredicted)
     errors: dict[str, Departure | None] = {}
     predicted, sources = dict[str, Predicted](), dict[str, dict[str, list[float]]]()
     for name, made in evaluation.predicted.items():
         clear = evaluation.least_clearance(name)
         predicted[name] = phases.foreseen(walk, name, made, judged, clear)
-        errors[name] = deviations.off(
-            achieved.pose[judged], made.pose[judged], length, walked
-        )
+        ways = achieved.pose[judged], made.pose[judged]
+        errors[name] = deviations.off(*ways, length, walked)
         if not scenario.replan:  # an error that adds up, from one plan
             sources[name] = deviations.error_sources(walk, achieved.pose, made)
     if (real := evaluation.measured) is not None and real.pose is not None:
@@ -214,14 +209,9 @@ def summarise(
         verdict_text=evaluation.verdict.text,
         scenario=scenario.name,
         robot=setup.robot.name,
-        fields=scenario.fields,
+        **{name: getattr(scenario, name) for name in TOLD},
         stance=setup.stance,
-        segments=scenario.segments,
-        replan=scenario.replan,
-        steer=scenario.steer,
-        optimise=scenario.optimise,
         together=scenario.overlap_recovery,
-        correct=scenario.correct,
         goal=None if goal is None else [*goal],
         path_length=length,
         distance_walked=walked,
@@ -235,7 +225,6 @@ def summarise(
         saturated_segments=walk.saturated_segments,
         let_down=setup.world.let_down,
         fastest_swing=fastest,
-        swing_speed=scenario.swing_speed,
         walk_starts=walk.starts * dt,
         predicted={**predicted, **absent},
         unpredicted=dict(evaluation.unpredicted),
@@ -245,9 +234,7 @@ def summarise(
             min_clearance=evaluation.least_clearance("achieved"),
             slip=float(slip.sum()),
             **phases.slip_by_phase(walk, float(slip.sum()), phases.swing_slip(walk)),
-            slip_per_foot=dict(
-                zip(map(str, setup.robot.legs), slip.tolist(), strict=True)
-            ),
+            slip_per_foot=dict(zip(legs, slip.tolist(), strict=True)),
             creep_floor=evaluation.creep_floor,
         ),
         error=errors | absent | off_goal,

@@ -55,11 +55,8 @@ def deviations(
         found = partial(deviation_from, scenario.path.curve, poses[name])
         return caches.get(name, no_cache)(f"deviation {name}", found)
 
-    return {
-        "planned": farthest(planned),
-        "quasi_static": farthest(predictions.QUASI_STATIC.key),
-        "achieved": farthest("achieved"),
-    }
+    others = predictions.QUASI_STATIC.key, "achieved"
+    return {"planned": farthest(planned)} | {name: farthest(name) for name in others}
 
 
 def sensed(walk: Walk) -> summary.Sensed | None:

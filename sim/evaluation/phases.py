@@ -193,18 +193,11 @@ def count_changes(walk: Walk, contact: Array | None = None) -> int:
 def carried_out(walk: Walk) -> tuple[WalkedPhase, ...]:
     """The phases of a walk, each with its slip and whether contacts were as planned."""
     dt, groups = walk.setup.limits.timestep, walk.setup.robot.groups
-    return tuple(
-        WalkedPhase(
-            segment=p.segment,
-            start=p.start * dt,
-            end=p.stop * dt,
-            kind=p.kind,
-            stratum=p.stratum,
-            field=p.field,
-            amount=p.amount,
-            group="".join(groups[i] for i in p.moving),
-            slip=float(phase_slip(walk, p).sum()),
-            as_planned=as_planned(walk, p),
-        )
-        for p in walk.phases
-    )
+
+    def walked(p: Phase) -> WalkedPhase:
+        begin, end, slip = p.start * dt, p.stop * dt, float(phase_slip(walk, p).sum())
+        flow = p.segment, begin, end, p.kind, p.stratum, p.field, p.amount
+        group = "".join(groups[i] for i in p.moving)
+        return WalkedPhase(*flow, group, slip, as_planned(walk, p))
+
+    return tuple(map(walked, walk.phases))

@@ -275,13 +275,9 @@ def pooled(
     through = cross @ np.linalg.inv(own)
     told = H[:, c[:, None], c] - through @ np.swapaxes(cross, 1, 2)
     led_to = y[:, c] - np.einsum("pkl,pl->pk", through, others)
-    one = solved(
-        [each.parameters[k] for k in c],
-        each.start[:, c].mean(axis=0)[None],
-        weight * told.sum(axis=0)[None],
-        weight * led_to.sum(axis=0)[None],
-        np.sqrt(np.mean(each.noise**2))[None],
-    )
+    start, noise = each.start[:, c].mean(axis=0), np.sqrt(np.mean(each.noise**2))
+    said = weight * told.sum(axis=0)[None], weight * led_to.sum(axis=0)[None]
+    one = solved([each.parameters[k] for k in c], start[None], *said, noise[None])
     rest = others - np.einsum("pkl,k->pl", cross, one.value[0])
     mine = np.linalg.solve(own, rest[..., None])[..., 0]
     whole = np.linalg.inv(one.information[0] + one.expected)

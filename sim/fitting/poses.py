@@ -99,13 +99,10 @@ class Walked:
 def log_of(run: Run) -> Log:
     """A walk as the log of a robot that was told what it was, seen without noise."""
     rows, joints = run.walking, run.card.joints
-    return Log(
-        time=run.time[rows] - run.time[rows][0],
-        joints=joints,
-        commanded=run.ctrl[rows][:, [actuator_of(run.model, j) for j in joints]],
-        measured=turned(run.model, run.qpos[rows], joints, BACKLASH),
-        pose=run.achieved[rows],
-    )
+    commanded = run.ctrl[rows][:, [actuator_of(run.model, j) for j in joints]]
+    measured = turned(run.model, run.qpos[rows], joints, BACKLASH)
+    time = run.time[rows] - run.time[rows][0]
+    return Log(time, joints, commanded, measured, pose=run.achieved[rows])
 
 
 def walked_of_run(run: Run) -> Walked:

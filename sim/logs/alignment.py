@@ -132,11 +132,10 @@ def _turned(pose: Array, predicted: Array) -> float:
 
 def _body(log: Log) -> Array:
     """What was measured of the body, a column each of `COLUMNS`, (n, 5)."""
-    parts = (("pose", log.pose), ("lean", log.lean))
-    none = {
-        part: np.full((len(log.time), len(BODY[part])), np.nan) for part, _ in parts
-    }
-    return np.hstack([none[part] if rows is None else rows for part, rows in parts])
+    rows = len(log.time)
+    pose = np.full((rows, 3), np.nan) if log.pose is None else log.pose
+    lean = np.full((rows, 2), np.nan) if log.lean is None else log.lean
+    return np.hstack([pose, lean])
 
 
 def _gaps(log: Log) -> Iterator[str]:

@@ -125,8 +125,7 @@ def _seen_from_plane(feet: Array, corners: Array) -> tuple[Array, Array]:
     flat = np.concatenate([np.ones_like(feet[..., :1]), feet[..., :2]], axis=2)
     own = (np.arange(len(feet))[:, None], corners)
     plane = np.linalg.solve(flat[own], feet[own][..., 2:])  # (N, 3, 1)
-    above: Array = (feet[..., 2:] - flat @ plane)[..., 0]
-    return np.hypot(*plane[:, 1:, 0].T), above
+    return np.hypot(*plane[:, 1:, 0].T), (feet[..., 2:] - flat @ plane)[..., 0]
 
 
 def moved(

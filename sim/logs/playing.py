@@ -111,16 +111,9 @@ class Motion:
             [of_joint.get(card.legs[leg].swing, 0.0) for leg in group.legs]
             for group in card.groups.values()
         ]
-        return Phase(
-            kind=kind,
-            stratum=self._name(feet),
-            direction=tuple(sum(own) / len(own) for own in swung),
-            amount=1.0,
-            start=start,
-            steps=stop - start,
-            segment=0,
-            feet=feet,
-        )
+        direction = tuple(sum(own) / len(own) for own in swung)
+        known = kind, self._name(feet), direction
+        return Phase(*known, 1.0, start, stop - start, segment=0, feet=feet)
 
     def _name(self, feet: tuple[bool, ...]) -> str:
         """The stratum of whole groups that stand, else the legs that do."""
@@ -163,12 +156,8 @@ def rigid(
     grid = motion.time
     pose, slip = moved(motion.posture, motion.contact, ground, grid[1] - grid[0])
     x, y, yaw, *slid = (np.interp(time, grid, n) for n in (*pose.T, *slip.T))
-    return Prediction(
-        pose=np.stack([x, y, wrap(yaw)], axis=1),
-        slip=np.stack(slid, axis=1),
-        margin=margin,
-        contact=contact,
-    )
+    place = np.stack([x, y, wrap(yaw)], axis=1)
+    return Prediction(place, np.stack(slid, axis=1), margin, contact)
 
 
 def within_reach(log: Log, robot: Robot) -> Log:

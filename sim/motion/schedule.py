@@ -177,10 +177,9 @@ class Schedule:
         moved = np.array(moves).reshape(-1, len(begin.swing))
         swings = np.array([p.kind == "swing" for p in self.phases], bool)[:, None]
         raised = np.array([g not in begin.stratum for g in limits.groups])
-        return (
-            _trajectory(np.array(begin.swing), np.where(swings, moved, 0.0)),
-            _trajectory(raised * limits.lift_angle, np.where(swings, 0.0, moved)),
-        )
+        swing = _trajectory(np.array(begin.swing), np.where(swings, moved, 0.0))
+        lift = _trajectory(raised * limits.lift_angle, np.where(swings, 0.0, moved))
+        return swing, lift
 
 
 def _trajectory(begin: Array, changes: Array) -> tuple[Array, Array]:

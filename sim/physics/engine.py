@@ -46,9 +46,8 @@ class Engine:
         silence_the_engine()
         self.model = model
         self._batch = batch.Batch(model, nsim=1, nthread=1)
-        self._batch.reset(
-            keyframe=model.key("start").id, stage=mujoco.mjtStage.mjSTAGE_NONE.value
-        )
+        stage = mujoco.mjtStage.mjSTAGE_NONE.value
+        self._batch.reset(keyframe=model.key("start").id, stage=stage)
         self._warnings = self._batch.warning.copy()
         self._recent: State | None = None  # what led to the state now, (n, ...) each
         self._piece = FIRST

@@ -173,17 +173,9 @@ class Recorder:
         readings = self._sensors.read(sensordata)
         point = last_touched(readings.point, readings.force > 0, self._touched)
         self._touched = point[-1:].copy()
-        self._pending.append(
-            Sensed(
-                step=first + np.arange(len(qpos)),
-                qpos=qpos,
-                qvel=qvel,
-                point=point,
-                center_of_mass=readings.center_of_mass,
-                loaded=self._sensors.loaded(readings),
-                speed=readings.speed,
-            )
-        )
+        steps, loaded = first + np.arange(len(qpos)), self._sensors.loaded(readings)
+        seen = steps, qpos, qvel, point, readings.center_of_mass, loaded, readings.speed
+        self._pending.append(Sensed(*seen))
 
     def _decide(self, last: bool = False) -> None:
         """Evaluate the states whose contacts no later step can change."""

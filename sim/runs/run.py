@@ -83,9 +83,8 @@ class Run:
     @cached_property
     def model(self) -> mujoco.MjModel:
         """Robot and world, compiled; the states of the run are states of it."""
-        model = description.compile_model(
-            description.read_spec(self.model_file), str(self.model_file)
-        )
+        spec = description.read_spec(self.model_file)
+        model = description.compile_model(spec, str(self.model_file))
         self.require_width(self.qpos, model.nq)
         self.require_width(self.qvel, model.nv)
         return model

@@ -52,5 +52,4 @@ def seal(path: Path) -> str | None:
 def _seal_of_table(table: Mapping[str, object], without: Collection[str]) -> str:
     own = {key: value for key, value in table.items() if key not in without}
     plain = json.loads(json.dumps(own, default=str))  # as it is read
-    text = json.dumps(plain, sort_keys=True)
-    return hashlib.sha256(text.encode()).hexdigest()[:16]
+    return hashlib.sha256(json.dumps(plain, sort_keys=True).encode()).hexdigest()[:16]

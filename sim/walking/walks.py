@@ -123,15 +123,9 @@ class Walker:
         self, saturated_segments: int = 0, followed: Followed | None = None
     ) -> Walk:
         """The walk so far."""
-        return Walk(
-            setup=self.setup,
-            stretches=tuple(self._stretches),
-            recording=self._recorder.finish(),
-            origin=np.zeros(3) if self._origin is None else self._origin,
-            saturated_segments=saturated_segments,
-            followed=followed,
-            seconds=self.seconds,
-        )
+        origin = np.zeros(3) if self._origin is None else self._origin
+        known = self.setup, tuple(self._stretches), self._recorder.finish(), origin
+        return Walk(*known, saturated_segments, self.seconds, followed)
 
     def _scheduler(self) -> Scheduler:
         return Scheduler(self.setup.limits, self._shape, self.steps)
