@@ -129,9 +129,8 @@ def _check(setup: Setup, stratum: str, way: Moments) -> None:
     for leg, foot, down in zip(setup.robot.legs, wrong, planned, strict=True):
         if foot:
             where = "in the air" if down else "on the ground"
-            raise models.MeasurementError(
-                f"on S{stratum} the foot of leg {leg} stays {where}"
-            )
+            why = f"on S{stratum} the foot of leg {leg} stays {where}"
+            raise models.MeasurementError(why)
 
 
 def whole_range(setup: Setup, direction: tuple[float, ...]) -> float:

@@ -102,8 +102,7 @@ class ServedWalk:
         self._legs, self._steps = schedule.end, schedule.stop
         rows = [*self._drive.commands(schedule, torques, practised=practised)]
         how = self.joints, self._actuators, self.rate, self.setup.limits.timestep
-        given = taken(np.concatenate(rows), *how).angles if rows else ()
-        for angles in given:
+        for angles in taken(np.concatenate(rows), *how).angles if rows else ():
             self._last = angles
             yield self.time, angles
             self._given += 1
@@ -125,5 +124,4 @@ def served(scenario: Scenario, rate: float = SERVO_RATE) -> ServedWalk:
     plain = replace(known.as_planned, assumed_dead_band=band)  # type: ignore[arg-type]
     asked = replace(plain, replan=True, learn=learn)
     bare = replace(setup.robot, card=replace(setup.robot.card, fitted={}))  # known now
-    problem = ScenarioProblem.ready(prepare(asked, bare))
-    return ServedWalk(problem.setup, rate)
+    return ServedWalk(ScenarioProblem.ready(prepare(asked, bare)).setup, rate)

@@ -183,20 +183,15 @@ def _channel(
     joint: str, number: int, servo: JointServo, make: ServoKind | None, pwm: bool | None
 ) -> Channel:
     """The numbers of a servo that are given; its make, or a turn, gives the others."""
-    center = make.center if make else TURN // 2
     reach = make.reach if make else (inf if pwm is None else pi)
     low, high = servo.limits or (servo.offset - reach, servo.offset + reach)
-    return Channel(
-        joint=joint,
-        channel=number if servo.channel is None else servo.channel,
-        sign=servo.sign,
-        center=center if servo.center is None else servo.center,
-        offset=servo.offset,
-        counts_per_radian=servo.counts_per_radian
-        or (1 / make.resolution if make else TURN / (2 * pi)),
-        low=low,
-        high=high,
-    )
+    middle, counts = TURN // 2, TURN / (2 * pi)
+    if make:
+        middle, counts = make.center, 1 / make.resolution
+    center = middle if servo.center is None else servo.center
+    channel = number if servo.channel is None else servo.channel
+    counts = servo.counts_per_radian or counts
+    return Channel(joint, channel, servo.sign, center, servo.offset, counts, low, high)
 
 
 def _outside(servo: Channel, angle: float, low: float, high: float) -> UsageError:

@@ -247,10 +247,8 @@ def write_trajectory(commands: ServoCommands) -> str:
     for number, row in enumerate(commands.angles.tolist()):
         sec, nanosec = divmod(round(number * SECOND / commands.rate), SECOND)
         positions = ", ".join(f"{angle:z.9f}" for angle in row)
-        lines.append(
-            f"- {{positions: [{positions}], "
-            f"time_from_start: {{sec: {sec}, nanosec: {nanosec}}}}}"
-        )
+        when = f"{{sec: {sec}, nanosec: {nanosec}}}"
+        lines.append(f"- {{positions: [{positions}], time_from_start: {when}}}")
     return "\n".join(lines) + "\n"
 
 

@@ -32,10 +32,8 @@ Facts = dict[str, Any]
 def facts_of(setup: Setup) -> Facts:
     """Mass, legs, groups, fields and margins of a robot that is set up to walk."""
     robot, described = setup.robot, setup.equations
-    found, changed = (
-        models.mobility_of(robot, described),
-        [*changes(robot, setup.scenario)],
-    )
+    found = models.mobility_of(robot, described)
+    changed = [*changes(robot, setup.scenario)]
     stands = setup.scenario, setup.kinematics, setup.limits.lift_angle, setup.world
     return _facts(*stands, described, found, changed)
 

@@ -181,10 +181,8 @@ def dumps(scenario: Scenario) -> str:
     for key, item in SETTINGS.items():
         line = f"{key} = {toml_value(table[key])}" if key in table else f"# {key} ="
         lines.append(f"{line:30}  # {item.about}")
-    for head, inner in (
-        *([("[path]", path)] if path else []),
-        *(("[[obstacles]]", o) for o in standing),
-    ):
+    tables = [("[path]", path)] if path else []
+    for head, inner in [*tables, *(("[[obstacles]]", one) for one in standing)]:
         lines += ["", head]
         lines += [f"{key} = {toml_value(value)}" for key, value in inner.items()]
     return "\n".join(lines) + "\n"

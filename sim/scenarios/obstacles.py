@@ -89,9 +89,8 @@ class Obstacle:
 def decode(tables: object) -> tuple[Obstacle, ...]:
     """The obstacles that a scenario's list of tables describes, counted from 1."""
     if not declaration.is_list(tables):
-        raise declaration.refusal(
-            tables, "a list of tables, [[obstacles]]", "obstacles"
-        )
+        wanted = "a list of tables, [[obstacles]]"
+        raise declaration.refusal(tables, wanted, "obstacles")
     points = [table.get("points") for table in tables if isinstance(table, Mapping)]
     corners = sum(len(one) if declaration.is_list(one) else 1 for one in points)
     if corners > MOST_CORNERS:
