@@ -87,15 +87,10 @@ class Row:
     def cells(self, end: Ending) -> list[str]:
         """The row of the page."""
         wrong, said = self.wrong(end), self.answer(end)
-        cells = (
-            str(self.number),
-            self.fault,
-            f"`{self.command}`",
-            f"{end.code} ({wrong})" if wrong else str(end.code),
-            said if len(said) < MOST_CHARACTERS else f"{said[:MOST_CHARACTERS]} ...",
-            f"`{self.test}`",
-        )
-        return [cell.replace("|", r"\|") for cell in cells]
+        code = f"{end.code} ({wrong})" if wrong else str(end.code)
+        said = said if len(said) < MOST_CHARACTERS else f"{said[:MOST_CHARACTERS]} ..."
+        made = str(self.number), self.fault, f"`{self.command}`"
+        return [c.replace("|", r"\|") for c in (*made, code, said, f"`{self.test}`")]
 
 
 ROWS = tuple(Row(**table) for table in _FILE["fault"])

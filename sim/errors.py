@@ -154,10 +154,8 @@ def exit_code(error: BaseException) -> ExitCode:
     """The exit code an error ends the command with; the unforeseen is a bug."""
     if isinstance(error, StratawalkError):
         return error.exit_code
-    return next(
-        (code for kind, code in _EXIT_CODES.items() if isinstance(error, kind)),
-        ExitCode.BUG,
-    )
+    codes = (code for kind, code in _EXIT_CODES.items() if isinstance(error, kind))
+    return next(codes, ExitCode.BUG)
 
 
 def last_words(error: BaseException) -> str:

@@ -31,10 +31,8 @@ def compare(options: argparse.Namespace) -> None:
         two = f"write {command('compare', *newest)}" if newest[1:] else ""
         ways = two or "give two or more, or stratawalk show RUN"
         raise UsageError("a single run cannot be compared", options.runs[0], ways)
-    path = (
-        None if options.out is None else new_file(Path(options.out), "page", *cli.PAGES)
-    )
-    runs = []
+    runs, out = [], options.out
+    path = None if out is None else new_file(Path(out), "page", *cli.PAGES)
     with bar(quiet=options.json) as progress:
         for number, folder in enumerate(map(Path, options.runs), start=1):
             with blamed_on(folder):

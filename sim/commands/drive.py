@@ -60,11 +60,9 @@ def drive(options: argparse.Namespace) -> None:
             far = hypot(x - stop.expected[0], y - stop.expected[1])
             if far > ASTRAY + scenario.path.length:
                 raise UsageError.of("astray", f"segment {segment + 1}", far=far)
-            cli.notice(
-                f"segment {segment + 1} of {scenario.segments}: estimated "
-                f"at {x:z.4f} m, {y:z.4f} m, {yaw:z.3f} rad",
-                "driven",
-            )
+            done = f"segment {segment + 1} of {scenario.segments}"
+            place = f"{x:z.4f} m, {y:z.4f} m, {yaw:z.3f} rad"
+            cli.notice(f"{done}: estimated at {place}", "driven")
         link.send(walk, walk.stand())
     if short := walk.scaled_down:
         facts = {"segments": scenario.segments, "twice": 2 * scenario.segments}

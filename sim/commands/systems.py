@@ -141,12 +141,9 @@ def check(options: argparse.Namespace) -> None:
         raise UsageError.at("--gait", error) from None
     with cli.working(options, "testing the gait"), refused(options.system):
         at = coordinates(options.at or (), "--at")
-        found = gait_controllability(
-            system,
-            gait,
-            configuration(system, "--at", at, start).tolist(),
-            MAX_DEPTH if options.depth is None else options.depth,
-        )
+        place = configuration(system, "--at", at, start).tolist()
+        depth = MAX_DEPTH if options.depth is None else options.depth
+        found = gait_controllability(system, gait, place, depth)
     with cli.working(options, "finding the strokes"):
         costs = _costs(subject, found) if found.controllable else ()
     theory = [cost.direction for cost in costs if cost.in_theory_only]

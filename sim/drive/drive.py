@@ -119,13 +119,10 @@ class Drive:
         at_rest = np.abs(torques.at(pauses)[:, self._joints[joint]]).max()
         makes = self._sufficient(borne, turned)
         slower = phase.kind == "swing" and at_rest < most and not self._setup.motion
-        remedies = [
-            f"take servos that suit this walk, --set servo={' or '.join(makes)}"
-            if makes
-            else "take stronger servos than all that are known by name",
-            "make the robot lighter",
-            *["lower swing_speed"] * bool(slower),
-        ]
+        suited = f"take servos that suit this walk, --set servo={' or '.join(makes)}"
+        stronger = "take stronger servos than all that are known by name"
+        remedies = [suited if makes else stronger, "make the robot lighter"]
+        remedies += ["lower swing_speed"] * bool(slower)
         facts = {"phase": phase, "seconds": seconds, "at_rest": at_rest, "most": most}
         what, where = _message("weak", joint=name, needed=needed[knot, joint], **facts)
         setting = f"servo={makes[0]}" if makes else ""

@@ -39,10 +39,8 @@ def paper(axes: Mapping[str, Axes]) -> Shown:
     ends = walked.states[walked.ends][k]
     goals = ellipse(walked.plan.goal, SEMI_AXES).at((k + 1) / SEGMENTS_AROUND)
     off = np.hypot(*(ends - goals)[:, :2].T)
-    return Shown(
-        rows_of(k + 1, *ends[:, :3].T, off, widths[k], least[k], most[k]),
-        {"a": SEMI_AXES[0], "b": SEMI_AXES[1]},
-    )
+    rows = rows_of(k + 1, *ends[:, :3].T, off, widths[k], least[k], most[k])
+    return Shown(rows, {"a": SEMI_AXES[0], "b": SEMI_AXES[1]})
 
 
 def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
@@ -58,10 +56,8 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
         style.band(axes["b"], *spread, colour=colour, alpha=0.55, label=label)
     k = _chosen(walked.segments)
     margins, segment = {}, np.arange(1, walked.segments + 1)
-    for name, label, fmt, colour in (
-        ("achieved", "physics", "o", PHYSICS),
-        ("ideal", "predicted", "-", IDEAL),
-    ):
+    looks = ("achieved", "physics", "o", PHYSICS), ("ideal", "predicted", "-", IDEAL)
+    for name, label, fmt, colour in looks:
         margin, _ = style.extremes(walked.margin[name], walked.segment)
         margins[name] = margin[k]
         dots: Style = {"color": colour, "markersize": 2.5, "label": label}

@@ -133,13 +133,9 @@ def tube(goal: Sequence[float], segments: Sequence[int]) -> Tube:
     # produced beyond its ends: going past the goal is not leaving the line
     produced = np.outer([-1.0, 2.0], goal[:2])
     widths = [swing_out(w.states[:, :2], w.ends, produced).max() for w in walks]
-    return Tube(
-        segments=np.array(segments),
-        length=np.linalg.norm(goal[:2]) / np.array(segments),
-        width=np.array(widths),
-        turn=np.array([np.abs(w.states[:, 2]).max() for w in walks]),
-        error=np.array([w.error for w in walks]),
-    )
+    turn = np.array([np.abs(w.states[:, 2]).max() for w in walks])
+    count, error = np.array(segments), np.array([w.error for w in walks])
+    return Tube(count, np.linalg.norm(goal[:2]) / count, np.array(widths), turn, error)
 
 
 def swing_out(points: Array, ends: Array, nominal: Array) -> Array:

@@ -118,13 +118,9 @@ def drawn(figure: str, kind: str, walks: Mapping[str, Walked] | None = None) -> 
             canvas.legend(handles, labels, loc="outside lower center", ncols=columns)
         canvas.draw_without_rendering()
         canvas.set_layout_engine("none")  # which would move panels a little each time
-    return Sheet(
-        name=layout.name,
-        title=layout.title,
-        caption=" ".join(layout.caption.split()).format(**shown.words),
-        figure=canvas,
-        table=Table(layout.columns, shown.rows),
-    )
+    caption = " ".join(layout.caption.split()).format(**shown.words)
+    table = Table(layout.columns, shown.rows)
+    return Sheet(layout.name, layout.title, caption, canvas, table)
 
 
 def rows_of(*columns: Iterable[Any]) -> list[tuple[Cell, ...]]:

@@ -95,10 +95,8 @@ def draw_body(axes: Axes) -> float:
 def _draw_stance(axes: Axes) -> None:
     """The body from above, tripod 1 at one angle, the other at rest and in the air."""
     front = draw_body(axes)
-    for tripod, phi, alpha, words in (
-        (1, DRAWN_ANGLE, 1.0, "on the ground"),
-        (2, 0.0, 0.35, "in the air"),
-    ):
+    looks = (1, DRAWN_ANGLE, 1.0, "on the ground"), (2, 0.0, 0.35, "in the air")
+    for tripod, phi, alpha, words in looks:
         hips, feet = STANCE.hips(tripod), STANCE.feet(tripod, phi)
         look: Style = {"color": TRIPODS[str(tripod)], "alpha": alpha}
         axes.plot(*np.stack([hips, feet]).transpose(2, 0, 1), **look)

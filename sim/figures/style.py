@@ -52,8 +52,7 @@ def sheet_of(
 
     figure = Figure(figsize=(PAPER_WIDTH, height), layout="constrained")
     FigureCanvasAgg(figure)
-    axes: dict[str, Axes] = figure.subplot_mosaic(mosaic, **(options or {}))
-    return figure, axes
+    return figure, figure.subplot_mosaic(mosaic, **(options or {}))
 
 
 def plain_decades(*axes: "Axis", subs: tuple[int, ...] = (1, 2, 5)) -> None:

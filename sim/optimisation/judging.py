@@ -191,12 +191,8 @@ def criterion_of(setup: Setup) -> Criterion:
     objective, judge = setup.scenario.optimise, Judge(setup)
     if objective == "none":
         raise ValueError("the scenario asks for no optimisation")
-    return Criterion(
-        objective=objective,
-        duration=judge.duration,
-        predict=judge.end,
-        complete=judge.stepped if real_equations(setup).stance == "stepped" else None,
-    )
+    complete = judge.stepped if real_equations(setup).stance == "stepped" else None
+    return Criterion(objective, judge.duration, judge.end, complete)
 
 
 def _inequalities(setup: Setup, within: float) -> Iterator[Inequality]:

@@ -88,12 +88,8 @@ def _card(lines: Sequence[str], behind: Array) -> Array:
     headline, *rest = lines
     rest = [part for line in rest for part in wrap(line, LETTERS) or [""]]
     y = HEIGHT // 2 - (HEADLINE + STEP * len(rest)) // 2
-    legend.text(
-        draw,
-        (MARGIN, y),
-        legend.fitting(headline, WIDTH - 2 * MARGIN, HEADLINE),
-        HEADLINE,
-    )
+    words = legend.fitting(headline, WIDTH - 2 * MARGIN, HEADLINE)
+    legend.text(draw, (MARGIN, y), words, HEADLINE)
     for number, line in enumerate(rest):
         colour = palette.TEXT if number < rest.index("") else palette.FAINT
         place = MARGIN, y + 2 * HEADLINE + STEP * number
@@ -118,24 +114,17 @@ def _bar(walk: Run, playback: float) -> legend.Panel:
 
     def write(draw: legend.Draw, row: int) -> None:
         words = describe(walk.phases[walk.phase[row]], walk.groups, walk.legs_per_group)
-        legend.text(
-            draw,
-            (legend.PAD, 12),
-            legend.fitting(words, ends[-1] - COLUMN - legend.PAD, legend.MIDDLE),
-            legend.MIDDLE,
-        )
+        words = legend.fitting(words, ends[-1] - COLUMN - legend.PAD, legend.MIDDLE)
+        legend.text(draw, (legend.PAD, 12), words, legend.MIDDLE)
         for foot, leg in enumerate(walk.legs):
             colour = palette.group(walk.group_of_foot[foot])
             _lamp(draw, foot, str(leg), colour, touches=walk.contact[row, foot])
-        values = (_millimetres(metres[row]) for metres in numbers.values())
+        shown = (metres[row] for metres in numbers.values())
+        values = (f"{1000 * m:.1f} mm" if np.isfinite(m) else "none" for m in shown)
         for end, value in zip(ends, (f"{walk.time[row]:.1f} s", *values), strict=True):
             legend.text(draw, (end, 14), value, legend.LARGE, "ra")
 
     return legend.Panel(legend.EDGE, HEIGHT - legend.EDGE - height, still, write)
-
-
-def _millimetres(metres: float) -> str:
-    return f"{1000 * metres:.1f} mm" if np.isfinite(metres) else "none"
 
 
 def _lamp(

@@ -110,10 +110,8 @@ def _tip(draw: Draw, at: tuple[float, float], way: Sequence[float] | Array) -> N
     """A slender triangle that points a way, to the right and up."""
     x, y = at
     right, up = way
-    back, across = (
-        np.array([x - TIP * right, y + TIP * up]),
-        TIP / 4 * np.array([up, right]),
-    )
+    back = np.array([x - TIP * right, y + TIP * up])
+    across = TIP / 4 * np.array([up, right])
     draw.polygon([at, tuple(back - across), tuple(back + across)], palette.TEXT)
 
 

@@ -115,9 +115,8 @@ class Problem(ABC):
         try:
             self.check(found)
         except SimulationError as error:
-            raise planner.BoundError(
-                f"the shortest plan found is refused: {error}"
-            ) from error
+            why = f"the shortest plan found is refused: {error}"
+            raise planner.BoundError(why) from error
         return found
 
     def refusal(self, error: planner.RangeError) -> planner.PlannerError:

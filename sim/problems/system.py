@@ -98,15 +98,9 @@ class SystemProblem(Problem):
     def shortest(self) -> Plan:
         """The shortest plan found that deviates no farther than the stratified one."""
         (objective,) = (known for known in OBJECTIVES if known == self.objective)
-        return optimisation.Optimiser(
-            self._task,
-            optimisation.Criterion(objective, duration),
-            self.extended,
-            self.problem.path,
-            self.segments,
-            execution=Execution(),
-            hops=HOPS,
-        ).plan()
+        criterion = optimisation.Criterion(objective, duration)
+        asked = self._task, criterion, self.extended, self.problem.path, self.segments
+        return optimisation.Optimiser(*asked, execution=Execution(), hops=HOPS).plan()
 
     @cached_property
     def _task(self) -> optimisation.Task:
@@ -135,9 +129,8 @@ class SystemProblem(Problem):
         groups += [[i] for i in compared if i not in (*place, *freed)]
         groups += [[i] for i in freed]
         points = self.problem.path.at(np.linspace(0.0, 1.0, PATH_POINTS))
-        found = optimisation.deviation(
-            rollout(self.stratified, optimisation.FLOW_SAMPLES), points, groups
-        )
+        states = rollout(self.stratified, optimisation.FLOW_SAMPLES)
+        found = optimisation.deviation(states, points, groups)
         least = LEAST_TOLERANCE * float(np.abs(points - points[0]).max())
         return tuple(
             optimisation.Tolerance(

@@ -99,10 +99,8 @@ def best_of(runs: Iterable[Run]) -> str:
 
 def overlaid(runs: Sequence[tuple[str, Run]]) -> Iterator[Drawing]:
     """Achieved paths of several runs in one drawing, and how far off they are."""
-    widths, looks = (
-        np.linspace(2.0, 0.8, len(runs)),
-        cycle(product(DASHES, palette.RUNS)),
-    )
+    widths = np.linspace(2.0, 0.8, len(runs))
+    looks = cycle(product(DASHES, palette.RUNS))
     marks = [
         palette.PathMark(name, colour, 0.0, width, dashes)
         for (name, _), width, (dashes, colour) in zip(runs, widths, looks, strict=False)
