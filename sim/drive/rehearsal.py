@@ -59,6 +59,8 @@ class Foreseen:
     def torques(self, schedule: Schedule) -> FeedForward:
         """Predict a schedule after those before it and return the torques it takes."""
         self._legs.append(Leg(schedule, np.zeros(3)))
+        if waited := schedule.start - sum(map(len, self._rows)):
+            self._rows.append(np.repeat(self._rows[-1][-1:], waited, axis=0))
         self._rows += list(self._setup.commands(schedule))
         course = course_of(self._setup, self._phases, self._legs, self._rows)
         steps = 1 + np.arange(schedule.start, schedule.stop)

@@ -20,6 +20,23 @@ def test_a_segment_in_which_nothing_moves_has_no_commands():
 
 
 @pytest.mark.physics
+def test_a_robot_that_waits_between_segments_is_foreseen_as_it_is_rehearsed():
+    """Counts of the same commands differ by one at most."""
+    given = {"robot": "hexapod-classroom", "segments": 2, "path.goal": [0.007, 0, 0]}
+    sent = []
+    for how in ("predicted", True):
+        walk = served(load_scenario("line", given | {"feed_forward": how}))
+        rows = [*walk.stand()]
+        for segment in range(2):
+            rows += walk.walk(segment)
+            rows += [walk.wait() for _ in range(30)]
+            walk.seen(segment, [np.nan] * 3)
+        sent.append(np.array([angles for _, angles in rows]))
+    count = walk.setup.servo.resolution
+    assert np.abs(sent[0] - sent[1]).max() <= count * (1 + 1e-9)
+
+
+@pytest.mark.physics
 def test_a_robot_is_led_around_obstacles():
     walk = served(load_scenario("detour"))
     (box,), path = walk.setup.scenario.obstacles, walk.setup.nominal()
