@@ -25,7 +25,8 @@ from scripts.endings import ROOT, ending
 from scripts.fuzz_inputs import NASTY, TEXTS, mutated, write
 from scripts.torture import TEXTS as SMALL
 
-RUN = "run line --segments 1 --set path.goal=[0.005,0,0] --no-video"
+WALKED = ["line", "--segments", "1", "--set", "path.goal=[0.005,0,0]"]
+RUN = " ".join(["run", *WALKED, "--no-video"])
 SWEPT = "sweep mine.toml --workers 1"
 MAKING = 600.0  # [s] that these may take
 BODY = ("body.x", "body.y", "body.yaw", "body.x.error", "contact.1")
@@ -98,7 +99,7 @@ def servos(folder: Path, rng: random.Random) -> list[str]:
     text = "".join(TEXTS["servo"].format(name, n) for n, name in enumerate(card.joints))
     write(folder / "servos.yaml", mutated(text, rng))
     words = ("--format", "dynamixel", "--no-play", "--out", "walk")
-    return ["export", str(_made(RUN)), *words, "--servo-table", "servos.yaml"]
+    return ["export", *WALKED, *words, "--servo-table", "servos.yaml"]
 
 
 def log(folder: Path, rng: random.Random) -> list[str]:

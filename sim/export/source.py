@@ -92,7 +92,8 @@ class Source:
             if low < least - AHEAD or high > most + AHEAD:
                 facts = {"low": low, "high": high, "least": least, "most": most}
                 where = self.run.folder
-                raise UsageError.of("told_beyond", where, joint=joint, **facts)
+                own = where == Path() and f"scenario {self.run.scenario.name!r}"
+                raise UsageError.of("told_beyond", own or where, joint=joint, **facts)
         return found
 
 

@@ -42,6 +42,7 @@ FELL, NO_WALK = 4, 5
 JUDGE = "weighed.prediction"  # column of what verdicts are by
 UNJUDGED = "quasi_static"  # what walks of a table without verdicts are compared with
 VARIANCES = "100% is all that differs: in log distance, in being lost (fell, no walk)"
+MIXED = "; points of other sweeps or software are among these (--force-mix)"
 ALONE = "only one setting varies, so there is nothing to divide among several"
 THIRDS = (1 / 3, 2 / 3, 1.0)  # of the points, above which the fitted limits are
 ROUND = np.outer(
@@ -60,6 +61,7 @@ class Results:
     limits: tuple[float, ...] = LIMITS  # of the classes, shares of the path
     judge: str = ""  # name of the prediction that verdicts are by, if known
     left_out: int = 0  # walks for which the prediction could not be made
+    mixed: bool = False  # whether points of other software may be among them
 
     def __len__(self) -> int:
         return len(self.columns["point"])
@@ -129,8 +131,7 @@ def read_results(path: Path, prediction: str = "") -> Results:
     if path.suffix == ".toml" and path.is_file():
         raise UsageError("not swept yet", str(path), "give stratawalk sweep this file")
     columns, about = read_table(file)
-    given = about.get("asked") if isinstance(about, dict) else None
-    parts = given.items() if isinstance(given, dict) else ()
+    parts = given.items() if isinstance(given := about.get("asked"), dict) else ()
     asked = {name: part for name, part in parts if isinstance(part, dict)}
     known = asked.get("vary", {})
     keys = tuple(key for names in known for key in names.split(SIDE_BY_SIDE))
@@ -153,8 +154,8 @@ def read_results(path: Path, prediction: str = "") -> Results:
     judge = str(Counter(judges).most_common(1)[0][0]) if judges else UNJUDGED
     if judge not in PREDICTIONS:
         raise refusal(judge, "a prediction", str(file), f"column {JUDGE!r}")
-    prediction = prediction or judge
-    results = Results(columns, keys, prediction, asked, judge=judge)
+    told = columns, keys, prediction or judge, asked
+    results = Results(*told, judge=judge, mixed=bool(about.get("mixed")))
     made = {p.label for k, p in PREDICTIONS.items() if f"error.{k}.farthest" in columns}
     if made and results.label not in made:
         facts = {"label": results.label, "made": " or ".join(sorted(made))}
@@ -275,6 +276,7 @@ def findings(results: Results) -> Findings:
     asked = prod(len(v) for v in values if isinstance(v, list))
     grown = "these" if asked > len(results) else "this full grid of"
     how = f"exact for {grown}" if whole else "estimated from"
+    method = f"{VARIANCES}; {how} {known} points" if columns[1:] else ALONE
     alone = {
         key: Explained(explained(values, off, whole), explained(values, lost, grid))
         for key, values in columns
@@ -287,7 +289,7 @@ def findings(results: Results) -> Findings:
         explained=alone,
         reasons=dict(Counter(whys).most_common(PRINTED_REASONS)),
         verdicts={"arrived": 0, **Counter(str(word) for word in words if word)},
-        method=f"{VARIANCES}; {how} {known} points" if columns[1:] else ALONE,
+        method=f"{method}{MIXED * results.mixed}",
         together=Explained(
             _left([one.departure for one in alone.values()]) if whole else None,
             _left([one.falls for one in alone.values()]) if grid else None,

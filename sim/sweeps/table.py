@@ -85,7 +85,7 @@ def read_table(path: Path) -> tuple[dict[str, list[object]], dict[str, Any]]:
             damaged = "it is damaged, or no Parquet file"
             why = getattr(error, "strerror", None) or damaged
         raise UsageError.of("no_table", path, why=why) from error
-    return columns, about
+    return columns, about if isinstance(about, dict) else {}
 
 
 @contextmanager

@@ -48,6 +48,13 @@ def folder(tmp_path):
     return tmp_path
 
 
+def test_a_table_in_which_points_of_other_software_are_mixed_says_so(folder):
+    method, table = findings(read_results(folder)).method, folder / "table.parquet"
+    write_table(table, parquet.read_table(table).to_pylist(), ABOUT | {"mixed": True})
+    said = "; points of other sweeps or software are among these (--force-mix)"
+    assert findings(read_results(folder)).method == method + said
+
+
 def test_points_are_sorted_by_how_well_the_prediction_holds(folder):
     results = read_results(folder, "quasi_static")
     assert results.keys == ("friction", "play", "draw")
