@@ -162,6 +162,8 @@ class Beforehand:
     def feed_forward(self, schedule: Schedule) -> Allowed:
         """Torques that commands make up for, and what was practised."""
         made_up = None
+        if schedule.start == schedule.stop:  # there is nothing to walk
+            return None, None
         if self._rehearsal is not None:
             rehearsed = self._rehearsal.torques(schedule)
             self._drive.require_strength(schedule, rehearsed)

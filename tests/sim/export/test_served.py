@@ -14,9 +14,11 @@ from sim.scenarios.file import load_scenario
 @pytest.mark.physics
 def test_a_segment_in_which_nothing_moves_has_no_commands():
     still = {"segments": 2, "path.goal": [0.0, 0.0, 0.0]}
-    walk = served(load_scenario("line", still))
-    assert len([*walk.stand()]) > 1
-    assert [*walk.walk(0)] == []
+    soft, loose = {"robot": "hexapod-classroom"}, {"assumed_dead_band": 0.01}
+    for given in ({}, soft, loose, soft | {"feed_forward": "predicted"}):
+        walk = served(load_scenario("line", still | given))
+        assert len([*walk.stand()]) > 1
+        assert [*walk.walk(0)] == []
 
 
 @pytest.mark.physics
