@@ -24,6 +24,8 @@ def main() -> int:
     _prepare_streams()
     gc.set_threshold(50_000)  # objects between searches for garbage: most last
     os.environ["PYTHONSAFEPATH"] = "1"  # no process takes modules of a working folder
+    # our matrices are small: threads would spend their time waiting for one another
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     if not sys.warnoptions:
         warnings.simplefilter("ignore")  # libraries' hints to programmers
         os.environ["PYTHONWARNINGS"] = "ignore"  # in processes that are begun, too
