@@ -190,6 +190,8 @@ def one_line(what: str, *remedy: str) -> Iterator[None]:
             reason = "there is no XML in it"
         if MASSLESS in reason:
             remedy = (message("massless"),)
+        if "Error opening file" in reason:
+            remedy = ("put it there, or correct meshdir or texturedir",)
         raise ModelError("; ".join((what, reason, *remedy))) from error
 
 

@@ -64,7 +64,7 @@ def test_a_urdf_opens_nothing_outside_its_folder_and_waits_for_no_pipe(
 
 
 def test_a_path_that_the_compiler_cuts_off_leads_nowhere(urdf):
-    with pytest.raises(ModelError, match="opening file 'm.obj'"):
+    with pytest.raises(ModelError, match="opening file 'm.obj'; put it there, or corr"):
         source_of(str(urdf("../out/m.obj", strip="true")))
 
 

@@ -117,6 +117,15 @@ def test_a_full_disk_under_standard_error_leaves_the_code(stratawalk):
     assert (done.returncode, done.stdout) == (2, "")
 
 
+def test_a_notice_that_cannot_be_said_ends_no_walk(stratawalk, tmp_path):
+    small = ["--segments", "1", "--set", "path.goal=[0.005,0,0]", "--no-video"]
+    with open("/dev/full", "w") as full:
+        words = ["run", "line", *small, "--set", "slope=[0.01,0]", "--out", "walk"]
+        done = stratawalk(*words, stderr=full)
+    assert done.returncode == 0
+    assert (tmp_path / "walk" / "summary.json").is_file()
+
+
 PYTHON = {
     "sys.exit": "import sys; sys.exit(0)",
     "an exception of its own": "class Gone(BaseException): pass\nraise Gone",
