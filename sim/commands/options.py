@@ -6,7 +6,7 @@ import os
 import re
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, nullcontext, suppress
+from contextlib import contextmanager, nullcontext
 from functools import partial
 from itertools import count
 from math import hypot, radians, tau
@@ -210,8 +210,10 @@ def working(options: argparse.Namespace, on: str) -> Iterator[None]:
 def notice(text: str, kind: str = "notice") -> None:
     """Print what a user should know on standard error."""
     line = printable(" ".join(text.split()))
-    with suppress(OSError):  # no work is given up because of what cannot be said
+    try:
         print(f"stratawalk: {kind}: {line}", file=sys.stderr)
+    except OSError:  # no work is given up because of what cannot be said
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
 
 
 def ended(code: ExitCode, how: str, where: str, remedy: str) -> ExitCode:
