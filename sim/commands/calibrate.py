@@ -37,6 +37,7 @@ JOG = 20  # counts
 NONE = "-"
 MOST_MISTAKES = 100  # of a person at one question; a pipe may hold any number
 T = TypeVar("T")
+OUT = "calibration"  # the folder that files go to where none is named
 SKETCH, SCRIPT, PAGE, SHEET = "jog.ino", "bus.py", "index.html", "feet.svg"
 
 
@@ -140,7 +141,9 @@ def _calibrated(
             with whole(file) as part:
                 part.write_text(text, "utf-8")
             known[joint] = servo
-    return {"card": f"{file}, {len(known)} servos", "next": again("--check")}
+    out = [] if folder.path == Path(OUT) else ["--out", folder.path]
+    check = command("calibrate", robot.path, "--check", *out)
+    return {"card": f"{file}, {len(known)} servos", "next": check}
 
 
 def _require_room(robot: Robot) -> None:
