@@ -16,7 +16,6 @@ import time
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from math import inf
-from select import select
 from types import FrameType
 from typing import NoReturn
 
@@ -139,8 +138,6 @@ def _wait(reader: int) -> None:
     while signals := os.read(reader, 64):
         began = time.monotonic()
         time.sleep(NOTICE_TIME)
-        while select([reader], [], [], 0)[0]:  # it may be raised again
-            signals += os.read(reader, 64)
         for number in ENDS.keys() & set(signals):
             if _noticed[0] < began - NOTICE_TIME:
                 _end_now(number, "during a long step")

@@ -224,6 +224,8 @@ def with_shapes(path: Path, given: str, text: str) -> tuple[str, tuple[str, ...]
         if lost and link.find("collision") is None:
             missing |= dict.fromkeys(lost.values())
             _draw(path, link, ends[str(link.get("name"))], THICKNESS * longest)
+        elif fewer := [name for s, name in lost.items() if s.tag == "collision"]:
+            notes += (guess("fewer", shown=first(fewer), link=link.get("name")),)
     if missing:
         notes += (guess("rods", shown=first([*missing])),)
     return ET.tostring(robot, encoding="unicode"), notes

@@ -110,7 +110,7 @@ class Ipopt:
 
 @contextmanager
 def _noted() -> Iterator[list[int]]:
-    """Note signals during the block; the first is raised again at its end."""
+    """Note signals during the block; the first is handled at its end."""
     noted: list[int] = []
     if threading.current_thread() is not threading.main_thread():
         yield noted
@@ -127,7 +127,8 @@ def _noted() -> Iterator[list[int]]:
         for number, handler in before.items():
             signal.signal(number, handler)
         for arrived in noted[:1]:
-            signal.raise_signal(arrived)
+            if callable(handler := before[signal.Signals(arrived)]):
+                handler(arrived, None)
 
 
 @lru_cache(maxsize=1)

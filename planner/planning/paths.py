@@ -15,7 +15,7 @@ from planner.numerics.arrays import Array, reals
 COLUMNS = ("x", "y", "yaw")  # [m], [m], [rad]
 HALVINGS = 40  # of a step in which a curve may jump
 ARC_PRECISION = 1e-12  # of the arc length, relative
-MOST_PIECES = 5000  # of a curve whose length is found
+MOST_PIECES = 5000  # of a curve whose length is found, or four times its own
 ROMBERG = np.array([-1, 84, -1344, 4096]) / 2835  # for lengths of 1, 2, 4 and 8 chords
 
 
@@ -232,6 +232,7 @@ def table_curve(poses: Sequence[Sequence[float]]) -> tuple[Path, float]:
     return Path(spline), _arc_length(spline, where)
 
 
+@np.errstate(all="ignore")
 def _arc_length(curve: Callable[[Array], Array], cuts: Array) -> float:
     """By chords, which are extrapolated, and halved wherever halves say otherwise."""
 
@@ -243,16 +244,17 @@ def _arc_length(curve: Callable[[Array], Array], cuts: Array) -> float:
 
     starts, widths, known = cuts[:-1], np.diff(cuts), 0.0
     whole = lengths(starts, widths)
-    precision = ARC_PRECISION * whole.sum()
+    precision = ARC_PRECISION * whole[np.isfinite(whole)].sum()
+    most = max(MOST_PIECES, 4 * len(cuts))
     for _ in range(HALVINGS):
         starts = np.stack([starts, starts + widths / 2], axis=1).ravel()
         widths = np.repeat(widths / 2, 2)
         halves = lengths(starts, widths)
         both = halves.reshape(-1, 2).sum(axis=1)
-        off = np.abs(both - whole) > precision * 2 * widths[::2]
+        off = ~(np.abs(both - whole) <= precision * 2 * widths[::2])
         known += both[~off].sum()
         parts = np.repeat(off, 2)
         starts, widths, whole = starts[parts], widths[parts], halves[parts]
-        if not 0 < len(starts) < MOST_PIECES:
+        if not 0 < len(starts) < most:
             break
-    return float(known + whole.sum())
+    return float(known + whole[np.isfinite(whole)].sum())  # but where it is undefined

@@ -5,6 +5,7 @@ import operator
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -40,6 +41,7 @@ OPERATORS: Mapping[type, Callable[..., Any]] = {
 UNREADABLE = SyntaxError, TypeError, ArithmeticError, RecursionError, MemoryError
 LONGEST_FORMULA = 10_000  # characters of one formula
 MOST_FACTORS = 64  # in a term: each derivative makes a term of each factor
+ROOM = 200  # calls around a formula that is used later, beyond those where it is read
 INT64 = 2**63  # beyond the whole numbers that numpy takes
 MOST_BITS = 1024  # of an integer, or of the parts of a fraction
 HUGE = 1e100  # magnitude of a number; a product of three still fits a float
@@ -79,6 +81,9 @@ class _Algebra:
             ):
                 return self.functions[name](*map(part, args))
         what = f"formula {_short(text)} has {_short(ast.unparse(node))}"
+        called = node.func if isinstance(node, ast.Call) else None
+        if isinstance(called, ast.Name) and called.id in self.functions:
+            raise ValueError(f"{what}; functions take one number, atan2 takes two")
         known = ", ".join([*names, *self.functions])
         raise ValueError(f"{what}, which is neither a number nor one of {known}")
 
@@ -107,6 +112,7 @@ def read_formula(
         is_known = found.is_number and used <= {*reals, *FUNCTIONS}
         # of other numbers sympy may think for ever
         size = REAL.value(part, reals, text) if is_known else 0.0
+        size = float(found) if found.is_Number else size  # however it is rounded
         if _bits(found) > MOST_BITS or not abs(size) < HUGE:
             what = f"{_short(ast.unparse(part))} has {size:g}, no real number"
             raise ValueError(f"{what} below {HUGE:.0e} in {MOST_BITS} bits")
@@ -127,12 +133,17 @@ def real_formula(text: str, name: str) -> Callable[[Array], Array]:
 
     def at(values: Array) -> Array:
         with np.errstate(all="ignore"):
-            found = REAL.value(tree, {name: values, "pi": np.pi}, text)
+            found = REAL.value(tree, {name: values, "pi": np.float64(np.pi)}, text)
         return np.broadcast_to(found, values.shape)
 
     with _read(text) as tree:
-        at(np.zeros(1))
+        _deeper(ROOM, partial(at, np.zeros(1)))
     return at
+
+
+def _deeper(calls: int, function: Callable[[], Array]) -> Array:
+    """What a function returns that is called with so many calls around it."""
+    return _deeper(calls - 1, function) if calls else function()
 
 
 @contextmanager

@@ -7,6 +7,7 @@ requirements outside a checkout, and their files with the hashes that pip wrote 
 import argparse
 import csv
 import hashlib
+import os
 import subprocess
 import sys
 import time
@@ -233,4 +234,5 @@ def _compare_peers(options: list[str]) -> None:
         if find_spec(package) is None:
             raise ModuleNotFoundError(name=package)
     script = [sys.executable, "-m", "scripts.planner_table", *options]
-    subprocess.run(script, cwd=ROOT, check=True)
+    env = os.environ | {"PYTHONPATH": str(ROOT)}
+    subprocess.run(script, cwd=ROOT, env=env, check=True)

@@ -5,7 +5,6 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 
 import mujoco
 import pytest
@@ -55,20 +54,6 @@ def test_a_long_step_of_a_library_is_ended_with_the_best_so_far(tmp_path, number
     (line,) = done.stderr.splitlines()
     assert "during a long step, planning had come to 8 segments; " in line
     assert list(tmp_path.iterdir()) == []
-
-
-def test_a_signal_that_is_raised_again_ends_nothing(monkeypatch):
-    """As that of a Ctrl-C whose search has given its best plan."""
-    ended, (reader, writer) = [], os.pipe()
-    monkeypatch.setattr(interruption, "NOTICE_TIME", 0.2)
-    monkeypatch.setattr(interruption, "_end_now", lambda *how: ended.append(how))
-    monkeypatch.setattr(interruption, "_noticed", [time.monotonic() - 0.01])
-    for late in (0.0, 0.1):
-        threading.Timer(late, os.write, (writer, bytes([signal.SIGINT]))).start()
-    threading.Timer(0.8, os.close, (writer,)).start()
-    interruption._wait(reader)
-    os.close(reader)
-    assert ended == []
 
 
 def planned_with_a_library_of_its_own_errors():

@@ -246,7 +246,11 @@ def test_a_mesh_that_is_only_drawn_is_left_out_without_a_rod(urdf):
     text = (path := urdf("near.obj")).read_text()
     drawn = '<visual><geometry><mesh filename="gone.dae"/></geometry></visual>'
     path.write_text(text.replace("<collision>", f"{drawn}<collision>"))
-    assert not any("rods" in note for note in source_of(str(path)).notes)
+    assert not any("gone" in note for note in source_of(str(path)).notes)
+    touches = drawn.replace("visual", "collision")
+    path.write_text(text.replace("<collision>", f"{touches}<collision>"))
+    (note,) = (note for note in source_of(str(path)).notes if "gone" in note)
+    assert note.startswith("link base touches with its other shapes alone, as its mesh")
 
 
 @pytest.mark.parametrize("mesh", ["near.obj", *ABSENT.values()])

@@ -34,14 +34,33 @@ def raised(request):
     signal.signal(request.param, before)
 
 
-def test_a_signal_during_a_solution_is_not_lost_nor_told_by_a_library(raised, capfd):
+def interrupted(raised):
+    """Solve until a signal ends it."""
     ipopt = rosenbrock()
     arrives = threading.Timer(0.1, os.kill, (os.getpid(), raised))
     arrives.start()
     with pytest.raises(KeyboardInterrupt):
         any(solved(ipopt) for _ in range(1000))  # until it has arrived
+
+
+def test_a_signal_during_a_solution_is_not_lost_nor_told_by_a_library(raised, capfd):
+    interrupted(raised)
     assert signal.getsignal(raised) is signal.default_int_handler
     assert capfd.readouterr().err == ""
+
+
+def test_a_signal_during_a_solution_arrives_once(raised):
+    """A second one would be taken for another Ctrl-C."""
+    reader, writer = os.pipe()
+    os.set_blocking(writer, False)
+    before = signal.set_wakeup_fd(writer)
+    try:
+        interrupted(raised)
+    finally:
+        signal.set_wakeup_fd(before)
+        os.close(writer)
+    assert os.read(reader, 9) == bytes([raised])
+    os.close(reader)
 
 
 def test_the_time_to_plan_in_holds_during_a_solution():

@@ -54,6 +54,13 @@ def test_slopes_and_values_are_those_of_real_numbers(text):
     assert slope(0.3) == pytest.approx(differences, rel=1e-8)  # 1e-16 by the step
 
 
+def test_constants_are_what_they_are_exactly_however_they_round():
+    assert read_formula("acos(sqrt(2)*sqrt(2)/2)*x", [X]) == 0
+    assert read_formula("0*sqrt(x - 9)", [X]) == 0  # whatever a name stands for
+    with pytest.raises(ValueError, match=r"'acos\(2\)' has nan, no real number"):
+        read_formula("acos(2)*x", [X])
+
+
 def test_an_element_has_twenty_brackets_at_most():
     def nested(count):
         return "[f," * count + "g" + "]" * count
