@@ -71,10 +71,12 @@ def casadi_function(
 ) -> Callable[[Expression], list[Expression]]:
     """SymPy expressions over a state as a function of CasADi's symbols of it."""
     ca = solver()
-    named = {name: getattr(ca, name) for name in SAME_NAME} | {"Abs": ca.fabs}
-    function = sp.lambdify(
-        state, list(expressions), modules=[named], cse=True, dummify=True
-    )
+    named = {name: getattr(ca, name) for name in SAME_NAME}
+    named |= {"Abs": ca.fabs, "sign": ca.sign}
+    plain = [
+        e.replace(sp.sign, sp.Function("sign")) for e in expressions
+    ]  # no branches
+    function = sp.lambdify(state, plain, modules=[named], cse=True, dummify=True)
     return lambda x: list(function(*(x[i] for i in range(len(state)))))
 
 
