@@ -71,11 +71,9 @@ def casadi_function(
 ) -> Callable[[Expression], list[Expression]]:
     """SymPy expressions over a state as a function of CasADi's symbols of it."""
     ca = solver()
-    named = {name: getattr(ca, name) for name in SAME_NAME}
-    named |= {"Abs": ca.fabs, "sign": ca.sign}
-    plain = [
-        e.replace(sp.sign, sp.Function("sign")) for e in expressions
-    ]  # no branches
+    named = {name: getattr(ca, name) for name in SAME_NAME} | {"Abs": ca.fabs}
+    sign = sp.Function("sign")  # sympy's own would be written with branches
+    plain = [expression.replace(sp.sign, sign) for expression in expressions]
     function = sp.lambdify(state, plain, modules=[named], cse=True, dummify=True)
     return lambda x: list(function(*(x[i] for i in range(len(state)))))
 

@@ -7,10 +7,12 @@ import threading
 import casadi as ca
 import numpy as np
 import pytest
+import sympy as sp
 
 from planner.errors import BudgetError
-from planner.optimisation.solver import Ipopt
+from planner.optimisation.solver import Ipopt, casadi_function
 from planner.support.stopping import limited
+from planner.systems.formulas import read_formula
 
 SIZE = 400
 
@@ -75,6 +77,16 @@ def test_options_that_lie_in_the_working_folder_are_not_obeyed(tmp_path, monkeyp
     x = ca.MX.sym("x")
     assert Ipopt({"x": x, "f": x**2, "g": x})(x0=np.ones(1)) is not None
     assert not (tmp_path / "written").exists()
+
+
+@pytest.mark.parametrize("text", ["sign(x + 2)*x", "Abs(log(x + 3))", "atan2(x, 2)**2"])
+def test_formulas_are_the_same_in_the_solver_s_symbols(text):
+    x, given = sp.Symbol("x", real=True), ca.SX.sym("x", 1)
+    expression = read_formula(text, [x])
+    (made,) = casadi_function((x,), (expression,))(given)
+    for value in (-2.5, 0.0, 0.7):
+        found = float(ca.Function("f", [given], [made])(value))
+        assert found == pytest.approx(float(expression.subs(x, value)), rel=1e-14)
 
 
 def test_a_program_without_a_solution_has_none():
