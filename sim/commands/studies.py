@@ -20,7 +20,8 @@ from sim.progress import bar
 from sim.scenarios.predictions import prediction_key
 from sim.studies import maps
 from sim.studies.designing import DIRECTIONS, count_designs, designs, tried
-from sim.studies.results import findings, read_results
+from sim.studies.findings import findings
+from sim.studies.results import read_results
 from sim.sweeps import sweeping
 from sim.sweeps.file import read_sweep
 from sim.sweeps.folder import Shard, SweepFolder, claim, missing_shard

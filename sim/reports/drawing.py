@@ -103,9 +103,8 @@ def finish(figure: "Figure", heading: str, keys: list[Key], note: str = "") -> D
 
 def stretches(run: Run, few: bool | None = None) -> Array:
     """First rows of the segments, or of the phases of a walk with few segments."""
-    phase = np.clip(run.phase, 0, len(run.phases) - 1)
-    segment = np.array([p.segment for p in run.phases])[phase]
-    part = phase if (run.segments < FEW if few is None else few) else segment
+    segment = np.array([p.segment for p in run.phases])[run.phase]
+    part = run.phase if (run.segments < FEW if few is None else few) else segment
     return np.flatnonzero(np.diff(part, prepend=-1))
 
 

@@ -77,7 +77,7 @@ def _moments(run: Run) -> dict[str, object]:
         "y": _finite(1e3 * run.achieved[rows, 1], 2),
         "off": _finite(1e3 * np.hypot(*run.error(run.best)[rows, :2].T), 3),
         "margin": _finite(1e3 * run.margin[rows], 1),
-        "phase": np.clip(run.phase[rows], 0, len(run.phases) - 1).tolist(),
+        "phase": run.phase[rows].tolist(),
         "phases": [
             f"stratum {p.stratum}, {WORDS['doing'].get(p.kind, p.kind).format(p.group)}"
             for p in run.phases

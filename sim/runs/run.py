@@ -277,6 +277,11 @@ def read_run(folder: Path, *, inspected: bool = False) -> Run:
         if not inspected:
             run.require_sealed(seals(run.folder, run.settings, summary))
             flows.require_known(run.phases, run.card)
+            known = np.isin(run.phase, np.arange(len(run.phases)))
+            if run.phase.dtype.kind not in "iu" or not known.all():
+                raise ValueError("trajectory.npz has a row of a phase not in flows.csv")
+            if not (np.diff(run.time) > 0).all():
+                raise ValueError("the rows of trajectory.npz are not in time's order")
         if "ctrl" not in [*run.commands]:
             raise KeyError("ctrl in commands.npz")
         weighed = run.summary.weighed

@@ -26,7 +26,8 @@ from sim.reports.drawing import finish
 from sim.reports.tables import Table
 from sim.scenarios.file import scenario_table, shipped_scenarios, toml_value
 from sim.scenarios.settings import FORMER, SETTINGS
-from sim.studies.results import LIMITS, NO_WALK, SEPARATE, Findings, Results
+from sim.studies.findings import SEPARATE, Findings
+from sim.studies.results import LIMITS, NO_WALK, Results
 from sim.sweeps.folder import point_in, run_folder
 from sim.templates import render
 

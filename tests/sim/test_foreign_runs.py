@@ -177,6 +177,26 @@ def test_a_summary_of_what_cannot_be_is_refused(
 
 
 @pytest.mark.physics
+@pytest.mark.parametrize(
+    ("name", "change", "said"),
+    [
+        ("phase", lambda rows: rows + 1, "a row of a phase not in flows.csv"),
+        ("phase", lambda rows: rows - 1, "a row of a phase not in flows.csv"),
+        ("phase", lambda rows: rows * 1.0, "a row of a phase not in flows.csv"),
+        ("time", lambda rows: rows[::-1], "are not in time's order"),
+    ],
+)
+def test_rows_that_no_walk_has_are_refused(folder, name, change, said):
+    """Films index the phases by them, and search for moments."""
+    with np.load(folder / "trajectory.npz") as file:
+        kept = dict(file)
+    np.savez(folder / "trajectory.npz", **kept | {name: change(kept[name])})
+    sealed(folder)
+    with pytest.raises(UsageError, match=said):
+        read_run(folder)
+
+
+@pytest.mark.physics
 @pytest.mark.parametrize("form", ["csv", "ros2", "header", "dynamixel"])
 def test_angles_that_no_joint_turns_to_are_not_exported(folder, capsys, form):
     with np.load(folder / "commands.npz") as file:

@@ -8,16 +8,8 @@ import pytest
 
 from sim.errors import UsageError
 from sim.studies import maps
-from sim.studies.results import (
-    ROUND,
-    Explained,
-    Findings,
-    _left,
-    _require,
-    explained,
-    findings,
-    group,
-)
+from sim.studies.findings import Explained, Findings, _left, explained, findings, group
+from sim.studies.results import ROUND, _require
 from tests.studies import results
 
 

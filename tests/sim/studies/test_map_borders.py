@@ -10,6 +10,7 @@ from sim.errors import UsageError
 from sim.palette import OUTCOMES
 from sim.scenarios.file import scenario_table
 from sim.studies import sensitivities as library
+from sim.studies.findings import findings
 from sim.studies.maps import (
     _draw_curve,
     _is_table,
@@ -21,9 +22,6 @@ from sim.studies.maps import (
     _shades,
     figures,
     page,
-)
-from sim.studies.results import (
-    findings,
 )
 from sim.studies.sensitivities import SHARE, changes_of
 from tests.studies import results

@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sim.studies.results import Results, explained, findings, group, read_results
+from sim.studies.findings import explained, findings, group
+from sim.studies.results import Results, read_results
 from sim.sweeps.table import write_table
 
 RNG = np.random.default_rng(16)

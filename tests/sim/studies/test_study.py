@@ -14,8 +14,9 @@ from sim.cli import main
 from sim.errors import UsageError
 from sim.scenarios.file import scenario_table
 from sim.studies import maps
+from sim.studies.findings import findings
 from sim.studies.maps import _place
-from sim.studies.results import Results, findings, read_results
+from sim.studies.results import Results, read_results
 from sim.sweeps.file import read_sweep, shipped_studies
 from sim.sweeps.table import write_table
 
@@ -53,6 +54,15 @@ def test_a_table_in_which_points_of_other_software_are_mixed_says_so(folder):
     write_table(table, parquet.read_table(table).to_pylist(), ABOUT | {"mixed": True})
     said = "; points of other sweeps or software are among these (--force-mix)"
     assert findings(read_results(folder)).method == method + said
+
+
+def test_a_table_of_searches_that_were_cut_short_says_so(folder):
+    results = read_results(folder)
+    for hurried in ([True, False, True, None], [False] * 4):
+        columns = {**results.columns, "hurried": hurried}
+        method = findings(replace(results, columns=columns)).method
+        said = "searches for plans were cut short at 2 points (column hurried)"
+        assert (said in method) == any(hurried)
 
 
 def test_points_are_sorted_by_how_well_the_prediction_holds(folder):

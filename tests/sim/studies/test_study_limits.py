@@ -6,7 +6,8 @@ import pytest
 from sim.errors import UsageError
 from sim.studies import maps
 from sim.studies.designing import Design, designs
-from sim.studies.results import ROUND, _require, group
+from sim.studies.findings import group
+from sim.studies.results import ROUND, _require
 from sim.studies.sensitivities import MILLIMETRE, NEWTON
 
 
