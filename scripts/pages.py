@@ -5,12 +5,9 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from planner.support import shipped_tables
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 LOOKS = shipped_tables("sim", "styles.toml")  # of figures
 STUDIES = shipped_tables("scripts", "studies.toml")
@@ -37,7 +34,7 @@ def tabulate(
 
 
 @contextmanager
-def picture(path: Path, size: tuple[float, float], **saved: Any) -> "Iterator[Figure]":
+def picture(path: Path, size: tuple[float, float], **saved: Any) -> Iterator[Any]:
     """A figure of a size [in], which is written to the path when the block ends."""
     import matplotlib as mpl
     from matplotlib.figure import Figure

@@ -147,6 +147,7 @@ _EXIT_CODES: dict[type[BaseException], ExitCode] = {
 }
 
 _SIGNALS = dict(ENDS.values())  # what ended the command, by its exit code
+FULL = (errno.ENOSPC, errno.EDQUOT)  # of a disk
 _GO_ON = (ExitCode.FILES, ExitCode.SWEEP)  # after which kept work goes on
 
 
@@ -162,6 +163,7 @@ def last_words(error: BaseException) -> str:
     """What the command says as it ends with an error, and how to go on where it can."""
     code = exit_code(error)
     ended = code in _SIGNALS or (isinstance(error, OSError) and not error.filename)
+    ended |= getattr(error.__cause__, "errno", 0) in FULL
     further = way_on() if ended else kept_work() if code in _GO_ON else ""
     return "; ".join(filter(None, (one_line(error), further)))
 

@@ -1,7 +1,6 @@
 """The folder of a run: files appear under their names once complete and on the disk."""
 
 import csv
-import errno
 import io
 import json
 import os
@@ -19,7 +18,7 @@ import numpy as np
 
 from planner.support import require_space, whole_file
 from sim.endings import command
-from sim.errors import ExitCode, FilesError, UsageError, exit_code, telling
+from sim.errors import FULL, ExitCode, FilesError, UsageError, exit_code, telling
 
 
 @dataclass(frozen=True, slots=True)
@@ -236,7 +235,7 @@ def _writing(
         except FileExistsError as error:
             raise UsageError.of("exists", path) from error
         except OSError as error:
-            if error.errno not in (errno.ENOSPC, errno.EDQUOT):
+            if error.errno not in FULL:
                 raise
             size = needed()
             room = f"{size / 1e6:.1f} MB" if size >= 1e5 else f"{size / 1e3:.1f} kB"

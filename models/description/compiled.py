@@ -73,13 +73,16 @@ def _is_bad(value: str) -> bool:
 
 
 def check_model(model: mujoco.MjModel, source: str) -> None:
-    """Refuse a compiled model with a number not finite, or solvers without end."""
+    """Refuse numbers not finite, endless solvers, and actuators of several controls."""
     for what in _not_finite(model):
         raise refusal("not_finite_compiled", source, what=what)
     for name in filter(SOLVING.search, dir(model.opt)):
         if (count := getattr(model.opt, name)) > MOST_ITERATIONS:
             most = MOST_ITERATIONS
             raise refusal("iterations", source, name=name, count=count, most=most)
+    for number in np.flatnonzero(model.actuator_ctrlnum != 1).tolist():
+        name, count = model.actuator(number).name, model.actuator_ctrlnum[number]
+        raise refusal("controls", source, name=name, count=count)
 
 
 def _not_finite(model: mujoco.MjModel) -> Iterator[str]:

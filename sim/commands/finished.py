@@ -12,7 +12,6 @@ from pathlib import Path
 from urllib.parse import urlsplit
 
 from sim.commands import options as cli
-from sim.endings import again, keeping
 from sim.errors import ExitCode, exit_code
 from sim.folder import blamed_on, new_file
 from sim.progress import bar
@@ -26,16 +25,12 @@ OF_PREDICTIONS = {
 }
 
 
-def _kept() -> str:
-    return f"the run is kept as it was; go on: {again()}"
-
-
 def show(options: argparse.Namespace) -> None:
     """Draw the report, print its path and open it."""
     from sim.reports.page import write_report
 
     folder = cli.run_of(options)
-    with bar(quiet=options.json) as progress, blamed_on(folder), keeping(_kept):
+    with bar(quiet=options.json) as progress, blamed_on(folder):
         path = write_report(read_run(folder), progress)
     cli.report(options, {"report": str(path)}, path)
     _open(path.as_uri(), options.browser)
@@ -61,7 +56,7 @@ def film(options: argparse.Namespace) -> None:
     path = None if out is None else new_file(Path(out), "film", *FILMS)
     if folder != Path(options.run):  # none was named
         cli.notice("the film of a whole walk takes minutes; --to 5 films its first 5 s")
-    with bar(quiet=options.json) as progress, keeping(_kept):
+    with bar(quiet=options.json) as progress:
         filmed = film_folder(
             folder,
             look=options.look,
@@ -78,7 +73,7 @@ def view(options: argparse.Namespace) -> None:
     if options.replay:
         from sim.viewing.replay import write_replay
 
-        with bar(quiet=options.json) as progress, keeping(_kept):
+        with bar(quiet=options.json) as progress:
             path = write_replay(cli.run_of(options), partial(progress, "replay"))
         cli.report(options, {"replay": str(path)}, path)
         _open(path.resolve().as_uri(), options.browser)

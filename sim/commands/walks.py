@@ -264,12 +264,11 @@ def describe(tries: Sequence[Try], path_length: float) -> Iterator[str]:
         if not values or quantity is quantities.YAW:
             continue
         worst = min if quantity is quantities.MARGIN else max
-        ends = median(values), worst(values)
+        ends, named = (median(values), worst(values)), quantity is quantities.POSITION
         words = [quantity.words(end) for end in ends]
-        if quantity is quantities.POSITION and path_length:
+        if named and path_length:
             shares = [f" {end / path_length:7.2%}" for end in ends]
             words = [w + share for w, share in zip(words, shares, strict=True)]
-        named = quantity is quantities.POSITION
         label = quantities.ROWS[row] if named else quantity.label
         yield f"{label:22}" + "".join(f"{text:>22}" for text in words)
 

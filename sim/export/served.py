@@ -87,7 +87,9 @@ class ServedWalk:
 
     def seen(self, segment: int, pose: Sequence[float]) -> Stop:
         """Tell feedback what was seen after a segment: x, y, yaw, NaN if it was not."""
-        now, reading = self.time, np.array([*pose, np.nan])
+        noise = [*self.feedback.sensing.noise, 0.0]
+        gyro = np.nan if np.isfinite(noise[2]) else pose[2]  # a yaw that is no camera's
+        now, reading = self.time, np.where(np.isfinite(noise), [*pose, gyro], np.nan)
         unknown = np.full(3, np.nan)  # nobody knows where a real robot truly is
         moved = now - self._began, self._meant
         stop = stop_after(self.feedback, segment, now, *moved, reading, unknown)

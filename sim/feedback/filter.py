@@ -196,9 +196,9 @@ class Feedback:
     ) -> None:
         """Take a reading: a camera's pose (..., 3), a gyroscope's yaw (...,).
 
-        What was not measured is None or NaN. A reading farther off than 99 % should
-        be counts for less the farther it is. After three such in a row the robot was
-        moved: its pose is learnt anew, and what it misses is kept.
+        What was not measured is None or NaN; infinite noise tells nothing either. A
+        reading farther off than 99 % should be counts for less the farther it is. After
+        three in a row the robot was moved: its pose is learnt anew, not what it misses.
         """
         if gyro is not None:
             reading = np.asarray(gyro, dtype=float)[..., None]
@@ -220,13 +220,13 @@ class Feedback:
         self, off: Array, sums: list[tuple[int, ...]], noise: Array, gated: bool = False
     ) -> None:
         """Update by how far readings of sums of the state are off what is expected."""
-        given = ~np.isnan(off)
+        given = np.isfinite(off) & np.isfinite(noise)
         reads = np.zeros((len(sums), STATES))
         for row, states in enumerate(sums):
             reads[row, list(states)] = 1.0
         seeing = given[..., None] * reads  # a reading that is missing sees nothing
         off = np.where(given, off, 0.0)
-        variance = np.where(given & np.isfinite(noise), noise, 1.0)[..., None] ** 2
+        variance = np.where(given, noise, 1.0)[..., None] ** 2
         doubt = variance * np.eye(len(sums))
         if gated:
             doubt = self._gate(off, seeing, doubt, np.asarray(given.any(axis=-1)))

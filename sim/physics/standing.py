@@ -5,6 +5,7 @@ legs to give way and for an unsupported body to tip over.
 """
 
 import copy
+import re
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
@@ -23,7 +24,7 @@ from sim.errors import UsageError
 from sim.scenarios.predictions import imperfect
 from sim.scenarios.scenario import Scenario
 from sim.world.model import suitable_integrator
-from sim.world.sensors import PREFIX, floor_in
+from sim.world.sensors import WALL, floor_in
 
 SETTLING = 0.5  # [s]
 CHUNK = 10  # steps between two looks at whether Ctrl-C was pressed
@@ -120,9 +121,8 @@ def _refuse_obstacles(model: mujoco.MjModel, data: mujoco.MjData) -> None:
     for contact in data.contact:
         names = sorted(model.geom(g).name for g in contact.geom)
         for own, other in (names, names[::-1]):
-            if other.startswith(PREFIX) and contact.dist < 0:
-                number = other.removeprefix(PREFIX).split("_")[0]
-                deep = f"{-1e3 * contact.dist:.1f} mm deep in obstacle {number}"
+            if (wall := re.fullmatch(WALL, other)) and contact.dist < 0:
+                deep = f"{-1e3 * contact.dist:.1f} mm deep in obstacle {wall[1]}"
                 raise UsageError.of("starts_in", "obstacles", part=own, deep=deep)
 
 
@@ -199,7 +199,7 @@ class _Standing:
     def _touched(self) -> Iterator[tuple[int, int]]:
         """Geoms of the robot in contact with others but obstacles, judged elsewhere."""
         for own, other in self._contacts(robots=1):
-            if not self.model.geom(other).name.startswith(PREFIX):
+            if not re.fullmatch(WALL, self.model.geom(other).name):
                 yield own, other
 
     def _contacts(self, robots: int) -> Iterator[tuple[int, int]]:

@@ -22,7 +22,7 @@ from sim.errors import message
 from sim.scenarios.scenario import Scenario
 from sim.world.dead_bands import ensure_dead_bands
 from sim.world.floor import SOLVING, Floor, add_bumps, ensure_floor, scene
-from sim.world.imperfections import BACKLASH, add_imperfections
+from sim.world.imperfections import add_imperfections
 from sim.world.motors import common_servo, ensure_motors
 from sim.world.parts import forget_defaults
 from sim.world.sensors import add_walls, ensure_sensors
@@ -57,10 +57,10 @@ def build(robot: Robot, scenario: Scenario) -> World:
     for name in ("integrator", "cone", "impratio", "jacobian", *SOLVING):
         setattr(spec.option, name, getattr(own, name))
     spec.option.timestep = scenario.timestep
-    floor = ensure_floor(spec, robot)
-    _set_contact(spec, robot, floor.name, scenario.friction)
     servos = servo_settings(scenario, robot.card)
     with _free_names(robot):
+        floor = ensure_floor(spec, robot)
+        _set_contact(spec, robot, floor.name, scenario.friction)
         ensure_servos(spec, robot, servos)
         ensure_motors(spec, robot, servos)
         add_imperfections(spec, robot, floor.name, scenario)
@@ -69,12 +69,12 @@ def build(robot: Robot, scenario: Scenario) -> World:
         if scenario.bumps:
             add_bumps(spec, floor, scenario)
         add_walls(spec, robot.root, scenario.obstacles)
-    assets = gather(spec, robot)
-    model = compile_model(spec, str(robot.path))
-    with one_line(f"MuJoCo cannot run the model: {robot.path}"):
-        spec.option.integrator = suitable_integrator(model)
-    servo = common_servo(model, robot)
-    ensure_dead_bands(spec, robot, scenario)
+        assets = gather(spec, robot)
+        model = compile_model(spec, str(robot.path))
+        with one_line(f"MuJoCo cannot run the model: {robot.path}"):
+            spec.option.integrator = suitable_integrator(model)
+        servo = common_servo(model, robot)
+        ensure_dead_bands(spec, robot, scenario)
     return World(str(spec.to_xml()), assets, servo, let_down, floor.name)
 
 
@@ -90,7 +90,7 @@ def _free_names(robot: Robot) -> Iterator[None]:
     """Refuse a robot that has a part with a name that the walk's world gives."""
     try:
         yield
-    except ValueError as error:
+    except (ValueError, ModelError) as error:
         if "repeated name" not in str(error):
             raise
         why = " ".join(str(error).split())
@@ -123,8 +123,9 @@ def ensure_start(spec: mujoco.MjSpec, robot: Robot, floor: Floor) -> float:
     down = down if abs(down) > AJAR else 0.0
     qpos = kinematics.level_qpos
     qpos[robot.root_address_in(robot.model) + 2] -= down
+    own = {robot.model.joint(number).name for number in range(robot.model.njnt)}
     for joint in spec.joints:
-        if joint.name.startswith(BACKLASH):
+        if joint.name not in own:  # it has backlash, from its middle
             qpos = np.insert(qpos, place, 0.0)
         place += SIZES.get(joint.type, 1)
     spec.add_key(name=START, qpos=qpos, ctrl=_ctrl(spec, robot))

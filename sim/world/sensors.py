@@ -73,7 +73,7 @@ def _ensure(spec: mujoco.MjSpec, name: str, **wanted: Any) -> None:
     spec.add_sensor(name=name, **wanted)
 
 
-PREFIX = "obstacle_"
+WALL = r"obstacle_(\d+)_\d+"  # name of a piece, both from 1
 COLOUR = (0.45, 0.48, 0.53, 1.0)
 EVERYTHING = 2**31 - 1  # all contact types
 SUNK = 0.01  # [m] below the floor, so that no gap is visible
@@ -82,14 +82,14 @@ SUNK = 0.01  # [m] below the floor, so that no gap is visible
 def add_walls(spec: mujoco.MjSpec, root: str, obstacles: Sequence[Obstacle]) -> None:
     """Replace the obstacles of a world, with a contact sensor for every piece.
 
-    Geoms are named `obstacle_I_J`, both from 1; the root body carries the robot.
+    Geom and sensor are named `obstacle_I_J`; the root body carries the robot.
     """
-    for old in (*spec.worldbody.geoms, *spec.sensors, *spec.meshes):
-        if old.name.startswith(PREFIX):
-            spec.delete(old)
+    for old in [sensor for sensor in spec.sensors if re.fullmatch(WALL, sensor.name)]:
+        for part in filter(None, (spec.geom(old.name), spec.mesh(old.name), old)):
+            spec.delete(part)
     for i, obstacle in enumerate(obstacles, start=1):
         for j, piece in enumerate(obstacle.pieces, start=1):
-            name = f"{PREFIX}{i}_{j}"
+            name = f"obstacle_{i}_{j}"
             _add_geom(spec, name, piece, obstacle.height)
             _watch(spec, name, (_GEOM, name), (_SUBTREE, root))
 
@@ -115,7 +115,7 @@ def _add_geom(spec: mujoco.MjSpec, name: str, piece: Piece, height: float) -> No
 class Touches:
     """Counts how often contacts begin: with obstacles, or those of other sensors."""
 
-    def __init__(self, model: mujoco.MjModel, names: str = f"{PREFIX}.*") -> None:
+    def __init__(self, model: mujoco.MjModel, names: str = WALL) -> None:
         """Watch all sensors whose names match an expression."""
         sensors = (model.sensor(i) for i in range(model.nsensor))
         self._at = [s.adr[0] for s in sensors if re.fullmatch(names, s.name)]

@@ -86,6 +86,14 @@ def test_a_solver_with_which_a_step_might_not_end_is_refused(name):
         compile_model(spec, "here")
 
 
+def test_an_actuator_of_several_controls_is_refused():
+    """Commands have a column an actuator."""
+    servo = '<actuator><pid name="servo" joint="j" kp="5" kv="0.1"/></actuator>'
+    spec = mujoco.MjSpec.from_string(text().replace("<keyframe>", f"{servo}<keyframe>"))
+    with pytest.raises(ModelError, match="actuator 'servo' has 2 controls: here; give"):
+        compile_model(spec, "here")
+
+
 @pytest.mark.parametrize(("part", "name", "message"), ARRAYS.values(), ids=ARRAYS)
 def test_a_compiled_model_is_scanned_whole(part, name, message):
     spec = mujoco.MjSpec.from_string(text())

@@ -53,3 +53,20 @@ def test_what_is_for_a_whole_path_is_refused(key, value, capsys):
         f"is for a whole path, and drive plans piece by piece: scenario 'line'; leave "
         f"{key} out"
     )
+
+
+@pytest.mark.physics
+@pytest.mark.parametrize("keys", [("yaw",), ("x", "y", "yaw")])
+def test_a_yaw_is_the_gyroscope_s_where_nothing_else_tells_it(tmp_path, capsys, keys):
+    """Positions are not told then, be they sent or not."""
+    pose = dict.fromkeys(keys, 0.3)
+    lines = [json.dumps({"time": 0.02 * k, **pose}) for k in range(500)]
+    (tmp_path / "poses.jsonl").write_text("\n".join(lines))
+    words = ["drive", "line", "--pace", "0", "--json", "--commands", os.devnull]
+    settings = ("segments=1", "path.goal=[0.004, 0.0, 0.0]", "sense=gyro")
+    words += [word for one in settings for word in ("--set", one)]
+    assert main([*words, "--poses", str(tmp_path / "poses.jsonl")]) == 0
+    x, y, yaw = json.loads(capsys.readouterr().out)["thought"]
+    # as near as the gyroscope's error by then, 2e-4 rad/s for 6 s, to the robot's own
+    assert yaw == pytest.approx(0.3, abs=0.02)
+    assert (x, y) == pytest.approx((0.004, 0.0), abs=0.001)

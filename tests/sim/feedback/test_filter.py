@@ -131,6 +131,15 @@ def test_nothing_is_learnt_from_what_was_not_seen():
     assert (feedback.claimed[:2] > doubt[:2]).all()
 
 
+def test_nothing_is_learnt_from_what_infinite_noise_tells():
+    gyro, camera = (Feedback(Sensing(position=np.inf, yaw=np.inf), 0.2) for _ in "12")
+    for feedback in (gyro, camera):
+        feedback.moved(MEANT)
+    camera.seen([0.02, -0.01, 0.3])
+    assert (camera.covariance == gyro.covariance).all()
+    assert (state_of(camera) == state_of(gyro)).all()
+
+
 def test_a_camera_without_yaw_tells_the_position():
     feedback = Feedback(Sensing(position=1e-3, yaw=np.inf), 0.2)
     feedback.moved(MEANT)
