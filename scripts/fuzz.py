@@ -1,12 +1,11 @@
 #!/usr/bin/env python3
 """Run the command on mutated inputs, and check how it ends.
 
-Whatever the command receives is mutated, what is the user's own and what others send:
-`python -m scripts.fuzz --seconds 180 --seed 1`, or some kinds alone. A case fails that
-ends with code 70 or an unknown one, an exception, or several lines on standard error,
-or that takes more than `Bounds` allow. It has a process forked from this one, which has
-loaded libraries and built the parser; what seems wrong there is run once more by the
-real command, and that decides. Failed cases are kept in a folder, each with its files.
+Whatever the command receives is mutated: `python -m scripts.fuzz --seconds 180`, or
+some kinds alone. A case fails that ends with code 70 or an unknown one, an exception,
+or several lines on standard error, or takes more than `Bounds` allow. It has a process
+forked from this one, which has loaded libraries; what seems wrong there is run once
+more by the real command, and that decides. Failed cases are kept with their files.
 """
 
 import gc

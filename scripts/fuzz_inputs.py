@@ -22,10 +22,10 @@ NASTY = (*TEXTS["nasty"], "9" * 400, "1" * 5000, "[" * 300, "\x00", "\udcff", "Ã
 
 
 def mutated(text: str, rng: random.Random) -> str:
-    """A text with one to four things changed."""
+    """A text with one to four things changed, now and then cut off."""
     for _ in range(rng.randint(1, 4)):
         text = rng.choice(MUTATIONS)(text, rng)
-    return text
+    return text[: rng.randrange(len(text) + 1)] if rng.random() < 0.05 else text
 
 
 def write(path: Path, text: str) -> None:
@@ -64,12 +64,8 @@ def _lines(text: str, rng: random.Random) -> str:
     return "".join(lines)
 
 
-def _cut(text: str, rng: random.Random) -> str:
-    return text[: rng.randrange(len(text) + 1)] if rng.random() < 0.2 else text
-
-
 Mutation = Callable[[str, random.Random], str]
-MUTATIONS: tuple[Mutation, ...] = (_number, _number, _number, _word, _lines, _cut)
+MUTATIONS: tuple[Mutation, ...] = (_number, _number, _number, _word, _lines)
 
 
 @cache

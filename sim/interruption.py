@@ -6,8 +6,6 @@ own, which `meant` undoes. Where a library is busy for long without returning to
 a thread that waits beside ends the command.
 """
 
-from __future__ import annotations
-
 import os
 import signal
 import sys
@@ -143,7 +141,7 @@ def _wait(reader: int) -> None:
                 _end_now(number, "during a long step")
 
 
-def _unnoticed(lost: sys.UnraisableHookArgs) -> None:
+def _unnoticed(lost: "sys.UnraisableHookArgs") -> None:
     """An exception that Python drops, in a destructor for one, has ended nothing."""
     if not issubclass(lost.exc_type, KeyboardInterrupt):
         sys.__unraisablehook__(lost)

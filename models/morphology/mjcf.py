@@ -5,8 +5,6 @@ where x = y = 0. SI units, radians. `robot.xml.jinja` is meant to be read by peo
 are the files: axes instead of quaternions, one default class for each kind of part.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -134,7 +132,7 @@ def write_mjcf(shape: Morphology, groups: Sequence[Collection[int]]) -> str:
 
 
 @cache
-def template_of(path: Path) -> Template:
+def template_of(path: Path) -> "Template":
     """The template in a file, which must be given all that it names."""
     from jinja2 import StrictUndefined, Template
 

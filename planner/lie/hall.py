@@ -10,8 +10,6 @@ The conventions are those of Lafferriere and Sussmann, reference [3] of the pape
       does not come after a.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cache
 from itertools import product
@@ -22,8 +20,8 @@ from typing import Any
 class Bracket:
     """The formal Lie bracket [left, right] of two elements; written `[1,[1,2]]`."""
 
-    left: Element
-    right: Element
+    left: "Element"
+    right: "Element"
 
     def __str__(self) -> str:
         return f"[{self.left},{self.right}]"

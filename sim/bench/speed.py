@@ -22,19 +22,7 @@ import mujoco
 import numpy as np
 
 from models import SYSTEMS, equations, load, shipped_robots, shipped_system
-from planner import (
-    Execution,
-    Plan,
-    aim,
-    degree,
-    extend,
-    hall_basis,
-    line,
-    merged,
-    plan,
-    rollout,
-)
-from planner.execution import Coordinates
+from planner import Execution, Plan, degree, extend, hall_basis, line, plan, rollout
 from planner.lie import lie_algebra, place, structure_constants
 from planner.support import best_so_far, limited
 from sim.optimisation.judging import Judge
@@ -51,7 +39,6 @@ REPEATS = 5
 GENERATORS, ALGEBRA_DEGREE = 4, 5  # of the Lie algebra, 294 elements
 SHORT, LONG, HUGE = 60, 1_000, 10_000  # segments
 STRIDE = 0.004  # of each segment in x and in y [m]
-SCENARIOS = ("line", "ellipse", "diagonal")
 STEPS = 20_000  # of physics in each measurement: a third of a second
 FIRST_PLAN_LIMIT = 600.0  # [s]
 Wanted = tuple[dict[str, Any], float]  # settings of a walk, and most seconds
@@ -108,7 +95,6 @@ def measure() -> Iterator[Row]:
     yield from plans(prepare(load_scenario("line")))
     for name in SYSTEMS:
         yield from segments(name)
-    yield from map(travel, SCENARIOS)
     yield from optimised()
     yield from simulation(prepare(load_scenario("line")))
     yield from command()
@@ -171,21 +157,6 @@ def segments(name: str, most: int = HUGE) -> Iterator[Row]:
     follow()
     ratio, _ = paired(follow, short)
     yield Row(f"system {name}: rollout time over plan time", ratio, "", "<= 2")
-
-
-def travel(scenario: str) -> Row:
-    """Swing travel under load of the shortest words over that of the printed ones."""
-    setup = prepare(load_scenario(scenario))
-
-    def swept(coordinates: Coordinates) -> float:
-        """Of a plan that ends exactly at the goal [rad]."""
-        execution = Execution(stance=setup.stance, coordinates=coordinates)
-        aimed = aim(setup.extended, setup.nominal(), setup.scenario.segments, execution)
-        loaded = setup.extended.elements[:2]
-        return sum(abs(f.duration) for f in merged(aimed.flows) if f.field in loaded)
-
-    what = f"{scenario}: swing travel, shortest words over printed ones"
-    return Row(what, swept("shortest") / swept("backward"), "", "< 1")
 
 
 class _FoundError(Exception):

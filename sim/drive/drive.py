@@ -21,6 +21,7 @@ from sim.logs.playing import Played
 from sim.motion.schedule import Schedule, command_at, step_of
 from sim.physics.engine import STRETCH
 from sim.preparation.setup import Setup
+from sim.scenarios.scenario import Scenario
 from sim.world.servos import ServoSettings, servo_settings
 
 Allowed = tuple[FeedForward | None, FeedForward | None]  # torques, practised angles
@@ -37,7 +38,7 @@ class Drive:
         model = setup.model
         self._stiffness = model.actuator_gainprm[self._joints, 0]
         self._damping = -model.actuator_biasprm[self._joints, 2]
-        self._offset = _zero_offsets(setup, len(self._joints))
+        self._offset = zero_offsets(setup.scenario, len(self._joints))
         scenario = setup.scenario
         self._delay = round(scenario.command_delay / scenario.timestep)  # steps
         self._twins = {  # of commands, which springs of dead bands take as well
@@ -91,8 +92,9 @@ class Drive:
 
     def _jump(self, servo: ServoSettings, stiffness: float) -> float:
         """Jump of a torque from one command to the next, as a share of what is held."""
-        jump = stiffness * self._setup.scenario.swing_speed / (servo.rate or np.inf)
-        return jump / self._held_torque()
+        planned = self._setup.motion is None  # or played as it is
+        speed = planned * self._setup.scenario.swing_speed
+        return stiffness * speed / (servo.rate or np.inf) / self._held_torque()
 
     def _held_torque(self) -> float:
         """Torque that friction holds at the end of a leg [N m]."""
@@ -267,9 +269,9 @@ def _needed(servo: ServoSettings, borne: Array, turned: Array) -> Array:
     return borne + (servo.torque or 0.0) / (servo.speed or np.inf) * turned
 
 
-def _zero_offsets(setup: Setup, joints: int) -> Array:
+def zero_offsets(scenario: Scenario, joints: int) -> Array:
     """Error of each servo's zero, (J,) [rad]; the same for the same draw."""
-    spread = setup.scenario.zero_offset
+    spread = scenario.zero_offset
     if isinstance(spread, tuple):
         return np.array(spread)
-    return np.random.default_rng(setup.scenario.draw).uniform(-spread, spread, joints)
+    return np.random.default_rng(scenario.draw).uniform(-spread, spread, joints)

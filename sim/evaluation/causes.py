@@ -19,6 +19,7 @@ from sim.drive.lift_counts import LiftCounts
 from sim.evaluation.deviations import Scale, error_sources
 from sim.evaluation.motions import Achieved
 from sim.evaluation.summary import Weighed
+from sim.motion.poses import wrap
 from sim.motion.prediction import Prediction
 from sim.scenarios import predictions
 from sim.walking.finished import Walk
@@ -59,11 +60,16 @@ class Evidence:
         model, joints = self.walk.setup.model, self.walk.setup.robot.card.joints
         return {joint: actuator_of(model, joint) for joint in joints}
 
+    @property
+    def scale(self) -> Scale:
+        """What distances on the walk are weighed by."""
+        weighed = self.weighed
+        return Scale(weighed.prediction, weighed.radius, weighed.length)
+
     def on_paper(self, name: str) -> float:
         """How far a prediction ends from the goal, as a share of the path."""
-        weighed, goal = self.weighed, self.walk.setup.scenario.path.goal
-        scale = Scale(weighed.prediction, weighed.radius, weighed.length)
-        return scale.share(self.predicted[name].pose[-1], np.array(goal))
+        goal = np.array(self.walk.setup.scenario.path.goal)
+        return self.scale.share(self.predicted[name].pose[-1], goal)
 
 
 def likely_cause(word: str, evidence: Evidence) -> str:
@@ -106,6 +112,18 @@ def _scaled_down(evidence: Evidence) -> str:
     count, whole = evidence.walk.saturated_segments, evidence.walk.setup.scenario
     facts = {"count": count, "segments": whole.segments, "twice": 2 * whole.segments}
     return say("scaled_down", **facts) if count else ""
+
+
+def _misled(evidence: Evidence) -> str:
+    """Readings that told a robot, as it planned its last segment, of another pose."""
+    stops = evidence.walk.followed.stops if evidence.walk.followed else ()
+    if not stops[1:]:
+        return ""
+    thought, true = np.array(stops[-2].thought), np.array(stops[-2].true)
+    if evidence.scale.share(thought, true) < (evidence.weighed.goal or 0.0) / 2:
+        return ""
+    x, y, yaw = thought - true
+    return say("misled", off=1e3 * np.hypot(x, y), turned=np.rad2deg(abs(wrap(yaw))))
 
 
 def _never_loaded(evidence: Evidence) -> str:
@@ -233,7 +251,7 @@ EXPLAINING: tuple[Finder, ...] = (_hasty, _soft, _unknown, _coarse, _source)
 FINDERS: Mapping[str, tuple[Finder, ...]] = {
     "fell": (*SPOILING, *EXPLAINING[:-1]),
     "collided": (*SPOILING, _touching),
-    "missed": (_steep, _on_paper, _scaled_down, *SPOILING, *EXPLAINING),
+    "missed": (_steep, _on_paper, _scaled_down, _misled, *SPOILING, *EXPLAINING),
     "drifted": (*SPOILING, *EXPLAINING),
     "slipped": (*SPOILING, *EXPLAINING),
     "arrived": (_bounced,),

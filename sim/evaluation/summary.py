@@ -3,8 +3,6 @@
 Fields can also be read by the keys of the file, as `summary["error"]["goal"]`.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import MISSING, asdict, dataclass, field, fields

@@ -6,8 +6,6 @@ pose of the body is read. A stroke back over the whole range of the joints confi
 field as far as it is predicted; what is missed of it tells which walks to trust it on.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 from functools import lru_cache

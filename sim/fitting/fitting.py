@@ -108,16 +108,11 @@ def _fitted_model(setup: Setup, log: Log, whole: Array) -> mujoco.MjModel:
     """The world of a robot whose servos are like those that were found, (J, 6)."""
     own = dict(zip(log.joints, whole[:, 2].tolist(), strict=True))
     stiffness, damping = np.exp(whole[0, :2]).tolist()
-    backlash = float(whole[0, 3])
-    found = replace(
-        setup.scenario.as_planned,
-        servo_stiffness=stiffness,
-        servo_damping=damping,
-        backlash=backlash if backlash >= LEAST else 0.0,
-        dead_band=tuple(
-            max(own.get(joint, 0.0), NARROWEST) for joint in setup.robot.card.joints
-        ),
-    )
+    backlash, planned = float(whole[0, 3]), setup.scenario.as_planned
+    bands = (max(own.get(j, 0.0), NARROWEST) for j in setup.robot.card.joints)
+    own_laws = {"servo_stiffness": stiffness, "servo_damping": damping}
+    loose = {"backlash": backlash * (backlash >= LEAST), "dead_band": tuple(bands)}
+    found = replace(planned, **own_laws, **loose)  # type: ignore[arg-type]
     return built(setup.robot, found)[1]
 
 

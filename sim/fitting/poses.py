@@ -14,6 +14,7 @@ from planner import Array
 from sim.compliant.anatomy import Robots
 from sim.compliant.phases import Course, Phases
 from sim.compliant.prediction import course_along, phases_of
+from sim.drive.drive import zero_offsets
 from sim.errors import message
 from sim.fitting.estimate import Estimates, estimate, parameters_of
 from sim.fitting.fitting import FITTED, Fitted
@@ -97,9 +98,11 @@ class Walked:
 
 
 def log_of(run: Run) -> Log:
-    """A walk as the log of a robot that was told what it was, seen without noise."""
-    rows, joints = run.walking, run.card.joints
-    commanded = run.ctrl[rows][:, [actuator_of(run.model, j) for j in joints]]
+    """A walk as a log without noise; delay and zeros are its servos', not commanded."""
+    rows, joints, scenario = run.walking, run.card.joints, run.scenario
+    ctrl = run.ctrl_at(run.time[rows] + scenario.command_delay)
+    told = ctrl[:, [actuator_of(run.model, j) for j in joints]]
+    commanded = told - zero_offsets(scenario, len(joints))
     measured = turned(run.model, run.qpos[rows], joints, BACKLASH)
     time = run.time[rows] - run.time[rows][0]
     return Log(time, joints, commanded, measured, pose=run.achieved[rows])
@@ -110,7 +113,8 @@ def walked_of_run(run: Run) -> Walked:
     untold = replace(run, settings={**run.settings, "known": "none"})
     phases, course = course_of_run(untold)
     rows = run.walking
-    return Walked(phases, course, run.time[rows], run.achieved[rows], run.reach)
+    times = run.time[rows] + run.scenario.command_delay  # which is fitted, too
+    return Walked(phases, course, times, run.achieved[rows], run.reach)
 
 
 def walked_of_log(setup: Setup, log: Log) -> Walked:

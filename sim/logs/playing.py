@@ -190,7 +190,7 @@ def scenario_of(robot: Robot, file: Path, settings: Mapping[str, object]) -> Sce
     name = "".join(c if c.isalnum() or c in "-_" else "-" for c in file.stem)
     table = {
         "name": name.strip("-") or "motion",
-        "robot": robot.name if robot.is_shipped else str(robot.path.resolve()),
+        "robot": robot.name if robot.is_shipped else str(robot.path.absolute()),
         "motion": str(file.absolute()),
         "segments": 1,
         "feed_forward": False,

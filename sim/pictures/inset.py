@@ -65,7 +65,7 @@ class Trail:
 
     def draw_scale(self, draw: Draw) -> None:
         """A cross where there is no error, and a ring at a round distance from it."""
-        (x, y), ring = self.place(), _greatest_round(BOX / 2 * FILL / self.scale)
+        (x, y), ring = self.place(), magnification(self.scale, BOX / 2 * FILL)
         left, radius = self.left, ring * self.scale
         draw.rectangle((left, TOP, left + BOX, TOP + BOX), None, palette.GRID, 1)
         around = (x - radius, y - radius, x + radius, y + radius)
@@ -116,11 +116,7 @@ def _tip(draw: Draw, at: tuple[float, float], way: Sequence[float] | Array) -> N
 
 
 def magnification(largest: float, room: float) -> float:
-    """The greatest round factor that fits the largest error into a room [m]."""
-    return _greatest_round(room / max(largest, NOTHING))
-
-
-def _greatest_round(most: float) -> float:
-    """The greatest of 1, 2, 5 times a power of ten that is not above a number."""
+    """The greatest of 1, 2, 5 times a power of ten by which a size fits a room."""
+    most = room / max(largest, NOTHING)
     power = 10.0 ** np.floor(np.log10(most))
     return float(power * DIGITS[power * DIGITS <= most * (1 + 1e-9)].max())

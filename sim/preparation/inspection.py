@@ -3,8 +3,6 @@
 What it lacks for walking is put into words. A robot that cannot even stand is refused.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from math import isfinite

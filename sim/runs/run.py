@@ -122,7 +122,11 @@ class Run:
     @cached_property
     def ctrl(self) -> Array:
         """Commands in force at each row, (T, nu)."""
-        rows = np.searchsorted(self.commands["time"], self.time - 1e-9)
+        return self.ctrl_at(self.time)
+
+    def ctrl_at(self, time: Array) -> Array:
+        """Commands in force at some times (n,) [s], (n, nu)."""
+        rows = np.searchsorted(self.commands["time"], time - 1e-9)
         ctrl = self.commands["ctrl"]
         return ctrl[np.minimum(rows, len(ctrl) - 1)]
 
@@ -277,8 +281,8 @@ def read_run(folder: Path, *, inspected: bool = False) -> Run:
         if not inspected:
             run.require_sealed(seals(run.folder, run.settings, summary))
             flows.require_known(run.phases, run.card)
-            known = np.isin(run.phase, np.arange(len(run.phases)))
-            if run.phase.dtype.kind not in "iu" or not known.all():
+            known = run.phase.dtype.kind in "iu"
+            if not (known and np.isin(run.phase, range(len(run.phases))).all()):
                 raise ValueError("trajectory.npz has a row of a phase not in flows.csv")
             if not (np.diff(run.time) > 0).all():
                 raise ValueError("the rows of trajectory.npz are not in time's order")

@@ -1,5 +1,6 @@
 """Scenarios as TOML files: reading them by name or path, and writing them whole."""
 
+import os
 import sys
 from collections.abc import Iterable, Mapping
 from copy import deepcopy
@@ -145,8 +146,9 @@ def _anchor(table: Values, key: str, folder: Path, suffix: str = "") -> None:
     if not isinstance(name, str) or not name.endswith(suffix):
         return
     try:
-        table[key] = str((folder / name).resolve())
-    except (ValueError, RuntimeError) as error:  # a zero byte, or a link to itself
+        (folder / name).resolve()  # which refuses a zero byte, or a link to itself
+        table[key] = os.path.abspath(folder / name)  # a card may be beside a link
+    except (ValueError, RuntimeError) as error:
         raise UsageError.of("no_file", folder, name=name, error=error) from error
 
 

@@ -100,8 +100,7 @@ class Results:
     def notes(self) -> list[str]:
         """What a reader should know of how its points were made."""
         cut = self.columns.get("hurried", []).count(True)
-        told = {MIXED: self.mixed, HURRIED.format(cut): cut}
-        return [note for note, holds in told.items() if holds]
+        return [MIXED] * self.mixed + [HURRIED.format(cut)] * (cut > 0)
 
     @property
     def label(self) -> str:

@@ -258,7 +258,7 @@ def _scenario_of(robot: Robot, plan: Plan, changes: dict[str, Any]) -> Scenario:
     return Scenario(
         **{
             "name": "plan",
-            "robot": robot.name if robot.is_shipped else str(robot.path.resolve()),
+            "robot": robot.name if robot.is_shipped else str(robot.path.absolute()),
             "fields": "paper" if printed else "lifted",
             "segments": len(plan.segment_ends),
             "path": waypoints(plan.nominal[:, :3].tolist()),

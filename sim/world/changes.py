@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations
+from operator import attrgetter
 
 import mujoco
 import numpy as np
@@ -13,8 +14,9 @@ from sim.scenarios.scenario import Scenario
 from sim.world import servos
 from sim.world.floor import SOLVING, floor_pairs, scene
 from sim.world.motors import added_rotors, undamped_joints
-from sim.world.others import couplings, holds_body, loose_joints, other_drives
+from sim.world.others import couplings, holds_body, loose_joints, other_drives, sprung
 
+LAWS = attrgetter("stiffness", "damping", "range", "frictionloss", "armature")
 MESSAGES: Mapping[str, str] = shipped_tables("sim.world", "changes.toml")
 
 
@@ -25,6 +27,7 @@ def changes(robot: Robot, scenario: Scenario) -> Iterator[str]:
     added, feet = added_rotors(robot, asked), [spec.geom(n) for n in robot.card.feet]
     plain = _contact_of(mujoco.MjSpec().worldbody.add_geom())
     pairs, ours = floor_pairs(spec, robot), scene().option
+    springy, joints = sprung(robot.model), robot.card.joints
     bound = [robot.model.eq(n).name or f"number {n + 1}" for n in couplings(robot)]
     found: dict[str, Sequence[str]] = {  # names of parts by what is done to them
         "other_drives": other_drives(robot),
@@ -34,13 +37,14 @@ def changes(robot: Robot, scenario: Scenario) -> Iterator[str]:
         "more": servos.joints_with_more(robot),
         "delayed": servos.delayed_servos(robot),
         "offset": servos.offset_servos(robot),
-        "sprung": [j for j in robot.card.joints if robot.model.joint(j).stiffness[0]],
+        "sprung": [j for j in joints if springy[robot.model.joint(j).id]],
         "rotors": [*added],
         "springs": [*undamped_joints(robot, asked)],
         "wide": [foot.name for foot in feet if foot.margin or foot.gap],
         "soles": [foot.name for foot in feet if _contact_of(foot) != plain],
         "lifted": [body.name for body in spec.bodies if body.gravcomp],
-        "ties": [t.name for t in spec.tendons if any((*t.stiffness, *t.range))],
+        "moving": [g.name for g in spec.geoms if _moves(g, robot)],
+        "ties": [t.name for t in spec.tendons if np.hstack(LAWS(t)).any()],
         "leaning": ["gravity"] if any(spec.option.gravity[:2]) else [],
         "held": [robot.root] if holds_body(robot) else [],
         "loose": loose_joints(robot),
@@ -55,6 +59,12 @@ def changes(robot: Robot, scenario: Scenario) -> Iterator[str]:
     if own and scenario.foot_friction is None:
         words = ", ".join(f"{mu:g}" for mu in own)
         yield MESSAGES["friction"].format(own=words, friction=scenario.friction)
+
+
+def _moves(geom: mujoco.MjsGeom, robot: Robot) -> bool:
+    """Whether a foot, or a plane that may be the floor, sticks or has a moving skin."""
+    stands = geom.name in robot.card.feet or geom.type == mujoco.mjtGeom.mjGEOM_PLANE
+    return stands and bool(geom.adhesion or any(geom.surfacevel))
 
 
 def _contact_of(geom: mujoco.MjsGeom) -> tuple[float, ...]:

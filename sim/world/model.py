@@ -100,13 +100,13 @@ def _free_names(robot: Robot) -> Iterator[None]:
 def _set_contact(spec: mujoco.MjSpec, robot: Robot, floor: str, value: float) -> None:
     """Sliding friction of floor and feet, of which the engine takes the floor's.
 
-    They have no margin: the stiff contact would throw a foot that is yet above the
-    floor.
+    They neither stick nor move, and have no margin: the stiff contact would throw a
+    foot that is yet above the floor.
     """
-    for name in (floor, *robot.card.feet):
-        geom = spec.geom(name)
+    for geom in map(spec.geom, (floor, *robot.card.feet)):
         geom.friction = (value, *geom.friction[1:])
-        geom.margin = geom.gap = 0.0
+        geom.margin = geom.gap = geom.adhesion = 0.0
+        geom.surfacevel = np.zeros(6)
 
 
 def ensure_start(spec: mujoco.MjSpec, robot: Robot, floor: Floor) -> float:
@@ -252,8 +252,8 @@ def origin(robot: Robot) -> tuple[str, dict[str, bytes]]:
     """
     if robot.is_shipped:
         return robot.name, {}
-    mjcf = robot.path.resolve()
-    used = {path.resolve() for path in (mjcf, *robot.opened.files)}
+    mjcf = Path(os.path.abspath(robot.path))
+    used = {Path(os.path.abspath(path)) for path in (mjcf, *robot.opened.files)}
     above = os.path.commonpath([path.parent for path in used])
     copies = {
         Path(COPY, path.relative_to(above)).as_posix(): path.read_bytes()

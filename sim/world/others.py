@@ -10,6 +10,7 @@ import numpy as np
 
 from models import Robot
 from models.description import ON_JOINT
+from planner import Array
 
 COUPLING = (int(mujoco.mjtEq.mjEQ_JOINT), int(mujoco.mjtEq.mjEQ_TENDON))
 MOVES = 1e-9  # moment of an actuator about a joint, below which it does not move it
@@ -35,13 +36,25 @@ def other_drives(robot: Robot) -> list[str]:
     return [model.actuator(int(number)).name for number in found]
 
 
+def sprung(model: mujoco.MjModel) -> Array:
+    """Which joints have springs, of whatever law, (njnt,)."""
+    laws = np.column_stack([model.jnt_stiffness, model.jnt_stiffnesspoly])
+    return np.asarray(laws.any(axis=1))
+
+
+def slowed(model: mujoco.MjModel) -> Array:
+    """Which freedoms of joints have damping, of whatever law, or friction, (nv,)."""
+    laws = model.dof_damping, model.dof_dampingpoly, model.dof_frictionloss
+    return np.asarray(np.column_stack(laws).any(axis=1))
+
+
 def holds_body(robot: Robot) -> bool:
     """Whether the body's own joint has damping, friction, springs or armature."""
     model, root = robot.model, robot.model.body(robot.root)
     dofs = slice(root.dofadr[0], root.dofadr[0] + 6)
-    parts = model.dof_damping, model.dof_frictionloss, model.dof_armature
-    stiff = model.jnt_stiffness[root.jntadr[0]]
-    return bool(np.any(stiff) or any(part[dofs].any() for part in parts))
+    parts = slowed(model), model.dof_armature
+    stiff = sprung(model)[root.jntadr[0]]
+    return bool(stiff or any(part[dofs].any() for part in parts))
 
 
 def couplings(robot: Robot) -> list[int]:
@@ -77,9 +90,8 @@ def couplings(robot: Robot) -> list[int]:
 
 def loose_joints(robot: Robot) -> list[str]:
     """Joints of other parts that nothing holds or slows, and no actuator moves."""
-    model, dofs = robot.model, robot.model.jnt_dofadr
-    held = (model.dof_damping[dofs] != 0) | (model.dof_frictionloss[dofs] != 0)
-    held |= model.jnt_stiffness != 0
+    model = robot.model
+    held = slowed(model)[model.jnt_dofadr] | sprung(model)
     on_joint = np.isin(model.actuator_trntype, ON_JOINT)
     held[model.actuator_trnid[on_joint, 0]] = True
     free = model.jnt_type == mujoco.mjtJoint.mjJNT_FREE

@@ -15,10 +15,8 @@ from sim.evaluation.assessment import evaluate, summarise
 from sim.evaluation.deviations import Scale
 from sim.planning.soundness import Collisions, require_sound_flows
 from sim.preparation.setup import prepare
-from sim.preparation.shared import Shared
 from sim.scenarios.body_path import line
 from sim.scenarios.file import load_scenario
-from sim.simulation import simulate
 from tests.walks import simulated
 
 pytestmark = pytest.mark.usefixtures("quick")
@@ -61,22 +59,6 @@ def test_plan_that_tips_over_is_refused_before_walking(tmp_path, capsys):
     assert (
         main(["plan", "line", "--robot", str(robot), *SHORT, "--allow-unstable"]) == 0
     )
-
-
-def test_what_one_walk_was_allowed_the_next_is_not(tmp_path):
-    """Points of a sweep share what they have in common, in whatever worker."""
-    changes = {"robot": str(lopsided(tmp_path)), "segments": 1, "timestep": 0.001}
-    allowed, forbidden = (
-        load_scenario(
-            "line", changes | {"path.goal": [0.01, 0, 0], "allow_unstable": may}
-        )
-        for may in (True, False)
-    )
-    shared = Shared()
-    done = simulate(allowed, without=("identified", "compliant"), shared=shared)
-    assert done.summary.verdict == "fell"
-    with pytest.raises(SimulationError, match="the plan tips the robot over"):
-        simulate(forbidden, shared=shared)
 
 
 def test_robot_that_falls_ends_with_four_and_keeps_its_files(tmp_path, capsys):

@@ -2,16 +2,20 @@
 
 import re
 from contextlib import nullcontext
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from models import load
 from models.description.servos import SERVO_KINDS
 from planner.systems.flows import Flow
 from sim.drive.drive import Drive
 from sim.drive.feed_forward import FeedForward
 from sim.drive.rehearsal import Rehearsal
 from sim.errors import SimulationError, StratawalkError, UsageError
+from sim.logs.log import Log
+from sim.logs.playing import scenario_of, within_reach
 from sim.preparation.inspection import facts_of
 from sim.preparation.setup import prepare
 from sim.walking.walks import Walker
@@ -45,6 +49,16 @@ def test_stiff_servos_on_few_commands_a_second_are_refused(scenario):
     assert "raise command_rate to 3" in refusal.value.remedy
     slower = re.search(r"--set swing_speed=([\d.]+)", refusal.value.remedy)
     Walker(prepare(scenario(command_rate=50.0, swing_speed=float(slower[1]))))
+
+
+def test_a_motion_that_is_played_is_as_fast_as_it_is(scenario):
+    """Whatever `swing_speed` is, which no log has."""
+    robot = load("hexapod")
+    time = np.linspace(0.0, 1.0, 11)
+    still = np.zeros((11, len(robot.card.joints)))
+    log = within_reach(Log(time, robot.card.joints, still), robot)
+    asked = scenario_of(robot, Path("still.csv"), {"command_rate": 40.0})
+    Drive(prepare(asked, robot, log=log)).require_gentleness()
 
 
 def test_a_servo_too_weak_is_refused_with_joint_phase_and_torque(scenario):

@@ -8,6 +8,7 @@ import pytest
 
 from sim.evaluation.causes import Evidence, likely_cause
 from sim.evaluation.verdict import judge
+from sim.feedback.stops import Followed, Stop
 from sim.scenarios.file import load_scenario
 from tests.walks import simulated
 
@@ -161,6 +162,27 @@ def planned_aside(evidence, *names, by=0.004):
     }
     weighed = replace(evidence.weighed, goal=0.4)
     return replace(evidence, predicted=moved, weighed=weighed)
+
+
+def test_a_robot_that_readings_misled_is_told_how_far(evidence):
+    """The last segment is planned from where it thought that it stood before."""
+    pose = (0.0, 0.0, 0.0)
+    told = {name: pose for name in Stop._fields} | {"segment": 0, "time": 1.0}
+    stop = Stop(**told)
+    off = stop._replace(thought=(0.003, -0.004, 0.02))
+    missed = replace(evidence, weighed=replace(evidence.weighed, goal=0.5))
+    setup = replace(missed.walk.setup, scenario=load_scenario("line", {"replan": True}))
+    said = {}
+    for stops in ((stop, stop), (off, stop), (off,)):
+        followed = Followed(stops, setup.feedback(), learns=False)
+        walk = replace(missed.walk, setup=setup, followed=followed)
+        said[stops] = likely_cause("missed", replace(missed, walk=walk))
+    assert said[off, stop] == (
+        "it was misled: as it planned its last segment, it thought that it was 5.0 mm "
+        "and 1.1 degrees from where it was: average more readings (sense_readings), or "
+        "take a better sensor (sense)"
+    )
+    assert said[stop, stop] == said[off,] == ""
 
 
 def test_a_plan_that_misses_on_paper_asks_for_segments_or_another_prediction(evidence):

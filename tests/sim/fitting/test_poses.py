@@ -162,3 +162,19 @@ def test_runs_of_two_robots_are_not_fitted_as_one(walked, folder, capsys):
     card.write_text(card.read_text().replace("Two tripods", "Two other tripods"))
     assert main(["fit", str(walked), str(folder)]) == 2
     assert "another robot than" in capsys.readouterr().err
+
+
+@pytest.mark.physics
+def test_what_servos_add_to_commands_is_none_of_a_walk_s_log(tmp_path):
+    """A run's commands have delay and zeros; whoever fits them has to see none."""
+    goal = ["--set", "path.goal=[0.004,0,0]", "--set", 'predictions=["ideal"]']
+    words = ["run", "line", "--segments", "1", "--no-video", *goal]
+    own = ["--set", "command_delay=0.05", "--set", "zero_offset=0.02"]
+    own += ["--tolerance", "9"]
+    assert main([*words, "--out", str(tmp_path / "plain")]) == 0
+    assert main([*words, *own, "--out", str(tmp_path / "late")]) == 0
+    plain, late = (log_of(read_run(tmp_path / name)) for name in ("plain", "late"))
+    # the last command of the walk is the last of its run, which the delay cuts short
+    assert late.commanded[:-6] == pytest.approx(plain.commanded[:-6], abs=1e-9)
+    settled = np.abs(late.measured - plain.measured)[0]
+    assert settled.max() > 0.005  # zeros are where the joints are

@@ -168,3 +168,24 @@ def test_a_file_that_the_compiler_dropped_is_looked_for_beside_the_model(
     assert world.gather(spec, robot) == kept
     assert [dropped.file, found.file, dropped.cubefiles[0]] == [*kept]
     assert {folder.texturedir + folder.meshdir for folder in folders} == {""}
+
+
+def test_the_card_of_a_robot_that_is_a_link_is_beside_the_link(
+    edited, tmp_path, monkeypatch
+):
+    """What it leads to may have any name, and another card beside it."""
+    robot = edited("lift_angle = ", "lift_angle = ").path
+    store, mine = tmp_path / "store", tmp_path / "mine"
+    store.mkdir()
+    mine.mkdir()
+    (store / "1234").write_text(robot.read_text())
+    (store / "1234.toml").write_text("lift_angle = 0.1")
+    (mine / "scene.xml").write_text((tmp_path / "scene.xml").read_text())
+    (mine / "robot.xml").symlink_to(store / "1234")
+    (mine / "robot.toml").write_text(robot.with_suffix(".toml").read_text())
+    monkeypatch.chdir(mine)
+    read = load(load_scenario("line", {"robot": "robot.xml"}).robot)
+    assert read.card_text == (mine / "robot.toml").read_text()
+    main, copies = world.origin(read)
+    assert main == "robot/robot.xml"
+    assert copies["robot/robot.toml"] == (mine / "robot.toml").read_bytes()

@@ -77,7 +77,10 @@ def test_further_actuators_of_a_joint_are_left_out_and_told(edited, scenario, mo
     assert prepare(scenario(), robot).model.nu == 12
 
 
-@pytest.mark.parametrize("holds", ['stiffness="5"', 'range="-1 1"', ""])
+HOLDS = "stiffness='5'", "range='-1 1'", "frictionloss='2'", "damping='0 9'", ""
+
+
+@pytest.mark.parametrize("holds", HOLDS)
 def test_tendons_that_hold_legs_stay_and_are_told(edited, scenario, holds):
     strap = TENDON.partition("<sensor>")[0].replace(
         'name="strap"', f'name="strap" {holds}'

@@ -41,12 +41,35 @@ def test_constant_forces_of_servos_are_left_out_and_told(edited, scenario):
     assert not prepare(scenario(), robot).model.actuator_biasprm[:, 0].any()
 
 
+@pytest.mark.parametrize("law", ["1", "0 0 30"])
 def test_springs_of_leg_joints_are_told_since_servos_work_against_them(
-    edited, scenario
+    edited, scenario, law
 ):
-    robot = edited(JOINT, JOINT.replace("/>", ' stiffness="1" springref="0.5"/>'))
+    robot = edited(JOINT, JOINT.replace("/>", f' stiffness="{law}" springref="0.5"/>'))
     (line,) = told(robot, scenario, "springs")
     assert line.startswith("leg joints 'lift_2' have springs; these stay in force")
+
+
+HEAD = '<body><joint name="pan" {}/><geom size="0.01"/></body><body name="leg_1"'
+
+
+@pytest.mark.parametrize("law", ['stiffness="0 0 3"', 'damping="0 1"', ""])
+def test_a_joint_is_held_by_springs_and_dampers_of_whatever_law(edited, scenario, law):
+    robot = edited('<body name="leg_1"', HEAD.format(law))
+    assert len(told(robot, scenario, "joints 'pan' are held by no")) == (not law)
+
+
+@pytest.mark.parametrize("own", ['adhesion="3"', 'surfacevel="0.01 0 0 0 0 0"'])
+def test_feet_and_floors_that_stick_or_move_do_neither_and_are_told(
+    own, edited, scenario
+):
+    floor = '<geom name="floor" '
+    robot = edited(FOOT, FOOT.replace("/>", f" {own}/>"), floor, f"{floor}{own} ")
+    (line,) = told(robot, scenario, "adhesion")
+    assert line.startswith("contacts of 'floor', 'foot_1', 'foot_2', ... stick")
+    model = prepare(scenario(), robot).model
+    assert not model.geom_adhesion.any()
+    assert not model.geom_surfacevel.any()
 
 
 @pytest.mark.parametrize(
