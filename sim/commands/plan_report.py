@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from planner import Array, Plan, convergence_order, critical_step, play, rollout
 from planner.planning import faster, grid
+from planner.systems import merged
 from sim.motion.poses import wrap
 from sim.problems.problem import Problem, tried
 from sim.scenarios.predictions import IDEAL
@@ -91,18 +92,16 @@ class Prospect:
 
 def of_walk(problem: "ScenarioProblem", planned: Plan, prospect: Prospect) -> Report:
     """A scenario's plan, played: facts as in summary.json, with words explained."""
-    from sim.optimisation.judging import Judge  # loads MuJoCo, as systems need none
+    from sim.evaluation.phases import swing_travel  # these load MuJoCo
+    from sim.optimisation.judging import Judge
 
     setup, scenario = problem.setup, problem.setup.scenario
-    robot, equations, goal = setup.robot, setup.equations, scenario.path.goal
-    states = play(planned.system, planned.flows, planned.start)
+    robot, stride, goal = setup.robot, setup.equations.stride, scenario.path.goal
+    states = play(planned.system, merged(planned.flows), planned.start)
     x, y, heading = states[-1, :3].tolist()
-    travel = {True: 0.0, False: 0.0}  # of loaded and of lifted groups
-    for flow in planned.flows:
-        swings = equations.swings[flow.field]
-        for group, share in zip(robot.groups, swings, strict=True):
-            travel[group in flow.stratum] += abs(share * flow.duration)
-    walked = (equations.stride(f.field) * abs(f.duration) for f in planned.flows)
+    schedule = Judge(setup).schedule([*planned.segments()])
+    swings = [phase for phase in schedule.phases if phase.kind == "swing"]
+    walked = (stride(swing.field) * abs(swing.amount) for swing in swings)
     facts = {
         "scenario": scenario.name,
         "robot": robot.name,
@@ -119,10 +118,10 @@ def of_walk(problem: "ScenarioProblem", planned: Plan, prospect: Prospect) -> Re
         },
         "contact_switches": planned.contact_switches,
         "largest_swing": float(abs(states[:, 3 : 3 + len(robot.groups)]).max()),
-        "swing_travel": travel[True],
-        "air_travel": travel[False],
+        "swing_travel": swing_travel(swings, robot.groups, loaded=True),
+        "air_travel": swing_travel(swings, robot.groups, loaded=False),
         "distance_walked": sum(walked, 0.0),
-        "time": Judge(setup).duration(planned.flows),  # [s], without holds
+        "time": schedule.stop * setup.limits.timestep,  # [s], without holds
         "least_time": problem.least_time,
         "ignores": IDEAL.ignored(scenario),
         **asdict(prospect),
