@@ -57,11 +57,14 @@ def run(options: argparse.Namespace) -> ExitCode:
 
     robot = cli.robot_of(options, scenario.robot)
     look = options.look if _can_film(options.video) else None
-    if options.tries is not None and not scenario.is_imperfect:
-        scenario = replace(scenario, imperfect="hobby")
+    if options.tries is not None:
+        asked = scenario.predictions or ("ideal", "quasi_static")  # others cost walks
+        hobby = scenario.imperfect if scenario.is_imperfect else "hobby"
+        scenario = replace(scenario, predictions=asked, imperfect=hobby)
     as_drawn = drawn(scenario, robot)
-    ignored = {key: each.ignored(as_drawn) for key, each in PREDICTIONS.items()}
-    words = who_ignores(ignored)
+    made = {"ideal", *(scenario.predictions or PREDICTIONS)}
+    kinds = ((key, each) for key, each in PREDICTIONS.items() if key in made)
+    words = who_ignores({key: each.ignored(as_drawn) for key, each in kinds})
     hints = [f"predictions ignore {words}"] if words else []
     if options.tries is not None:
         return tries_of(scenario, robot, options, hints)
@@ -187,8 +190,6 @@ def tries_of(
     """Walk draws into a folder, print hints, the worst and the median, and judge."""
     if not any(getattr(scenario, name) for name in RANDOM):
         raise UsageError.of("not_drawn", "--tries")
-    asked = scenario.predictions or ("ideal", "quasi_static")  # others cost walks
-    scenario = replace(scenario, predictions=asked)
     draws = range(scenario.draw, scenario.draw + options.tries)
     replace(scenario, draw=draws[-1])  # refused before anything is written
     folder = claim(cli.folder_of(options), scenario.name)

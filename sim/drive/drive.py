@@ -11,7 +11,6 @@ from math import ceil, floor
 import numpy as np
 
 from models import SERVO_KINDS
-from models.description import actuators_of
 from planner import Array
 from planner.support import shipped_tables
 from sim.drive.feed_forward import FeedForward, carried_torque, leg_actuators
@@ -41,12 +40,6 @@ class Drive:
         self._offset = zero_offsets(setup.scenario, len(self._joints))
         scenario = setup.scenario
         self._delay = round(scenario.command_delay / scenario.timestep)  # steps
-        self._twins = {  # of commands, which springs of dead bands take as well
-            spring: servo
-            for joint in setup.robot.card.joints
-            for servo, *springs in [actuators_of(model, joint)]
-            for spring in springs
-        }
         self._held: Array | None = None  # the command in force
         self._late: Array | None = None  # commands that have not reached the servos
         joints, lifts = setup.robot.card.joints, setup.robot.lift_joints
@@ -59,8 +52,7 @@ class Drive:
         """Whether the commands are the intended angles and nothing else."""
         servo, delay = self._servo, self._delay
         changed = servo.rate or servo.resolution or self._offset.any() or delay
-        changed = changed or self.practises or bool(self._twins)
-        return not (changed or self.feeds_forward)
+        return not (changed or self.practises or self.feeds_forward)
 
     @property
     def feeds_forward(self) -> bool:
@@ -239,9 +231,8 @@ class Drive:
                 counts[:, lifts] = self._lift_counts.at(lift, lag[:, lifts], loads)
             ctrl[:, joints] = counts * resolution
         ctrl[:, joints] += self._offset
-        for twin, joint in self._twins.items():
-            ctrl[:, twin] = ctrl[:, joint]
-        return ctrl
+        angles = zip(self._setup.robot.card.joints, ctrl[:, joints].T, strict=True)
+        return channels.ctrl(dict(angles))
 
     def _speed(self, schedule: Schedule, rows: Array) -> Array:
         """Intended speed of the joints by differences, (n, J) [rad/s]."""

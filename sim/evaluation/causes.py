@@ -248,11 +248,12 @@ def _source(evidence: Evidence) -> str:
 Finder = Callable[[Evidence], str]
 SPOILING: tuple[Finder, ...] = (_steep, _never_loaded, _at_limits, _bouncing)
 EXPLAINING: tuple[Finder, ...] = (_hasty, _soft, _unknown, _coarse, _source)
+MISSED = (*SPOILING, *EXPLAINING)
 FINDERS: Mapping[str, tuple[Finder, ...]] = {
     "fell": (*SPOILING, *EXPLAINING[:-1]),
     "collided": (*SPOILING, _touching),
-    "missed": (_steep, _on_paper, _scaled_down, _misled, *SPOILING, *EXPLAINING),
-    "drifted": (*SPOILING, *EXPLAINING),
-    "slipped": (*SPOILING, *EXPLAINING),
+    "missed": (_steep, _at_limits, _on_paper, _scaled_down, _misled, *MISSED),
+    "drifted": MISSED,
+    "slipped": MISSED,
     "arrived": (_bounced,),
 }  # where to look for causes, by what became of the walk

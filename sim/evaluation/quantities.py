@@ -107,7 +107,7 @@ def describe_export(summary: Summary, played: Played, label: str) -> str:
     achieved = replace(summary.achieved, **ended)
     shown = replace(summary, achieved=achieved, error=played.error)
     rows = [_row(shown, row) for row in (GOAL, played.weighed.prediction)]
-    return "\n".join([HEADER, *rows, _row(shown, ACHIEVED, label)])
+    return "\n".join([HEADER, *filter(None, rows), _row(shown, ACHIEVED, label)])
 
 
 def _rows(summary: Summary) -> Iterator[str]:

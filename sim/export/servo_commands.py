@@ -37,29 +37,19 @@ class ServoCommands:
         return np.arange(len(self.angles)) / self.rate
 
     def rows(
-        self,
-        rest: Array,
-        actuators: Array,
-        steps: int,
-        timestep: float,
-        interpolated: bool = False,
+        self, steps: int, timestep: float, interpolated: bool = False
     ) -> Iterator[Array]:
-        """Rows of ctrl, one a physics step, shape (n, nu) each.
+        """Angles in force, one row a physics step, shape (n, J) each.
 
         Commands hold until the next one, and the last to the end; interpolated, angles
-        move evenly from each to the next. Actuators that have no servo here keep their
-        commands at rest, shape (nu,).
+        move evenly from each to the next.
         """
         pace, last = self.rate * timestep, len(self.angles) - 1
+        ahead = FeedForward(self.angles, 1)
         for begin in range(0, steps, STRETCH):
             row = np.arange(begin, min(begin + STRETCH, steps))
-            ctrl = np.tile(rest, (len(row), 1))
-            if interpolated:
-                ctrl[:, actuators] = FeedForward(self.angles, 1).at(row * pace)
-            else:
-                held = np.minimum(command_at(row, pace), last)
-                ctrl[:, actuators] = self.angles[held]
-            yield ctrl
+            held = np.minimum(command_at(row, pace), last)
+            yield ahead.at(row * pace) if interpolated else self.angles[held]
 
 
 def taken(

@@ -37,7 +37,7 @@ from sim.runs.arrays import reading
 from sim.runs.run import START, Run, read_run
 from sim.scenarios.scenario import Scenario
 from sim.simulation import simulate
-from sim.world.servos import ServoSettings, servo_settings
+from sim.world.servos import Channels, ServoSettings, servo_settings
 
 AHEAD = 0.5  # [rad] by which commands are ahead of a soft or slack servo at most
 TURNED = 4 * np.pi  # [rad] from the middle, of joints that turn without end
@@ -131,10 +131,11 @@ def play(
     starts = round(run.summary.walk_starts / source.timestep)
     recorder = Recorder(Engine(source.model), sensors, source.steps)
     recorder.walk_starts = starts
+    channels = Channels(source.robot, source.model)
+    told = commands.rows(source.steps, source.timestep, interpolated)
     order = [commands.joints.index(joint) for joint in source.joints]
-    ordered = ServoCommands(source.joints, commands.rate, commands.angles[:, order])
-    rest, length = source.model.key("start").ctrl, (source.steps, source.timestep)
-    pieces = ordered.rows(rest, source.actuators, *length, interpolated=interpolated)
+    named = (dict(zip(source.joints, row.T[order], strict=True)) for row in told)
+    pieces = map(channels.ctrl, named)
     for done in recorder.play(pieces, np.union1d(steps, [starts])):
         progress("playing", done / source.steps)
     recording = recorder.finish()

@@ -26,6 +26,7 @@ from sim.physics.engine import STRETCH, Engine
 from sim.preparation.setup import Setup
 from sim.world.dead_bands import band_in
 from sim.world.imperfections import RUBBED, turned
+from sim.world.servos import Channels
 
 NOTHING = 1e-300  # beside angles [rad]
 LAW_STEP = 0.004  # [s] of the law, which is solved exactly in between
@@ -134,17 +135,19 @@ def on_floor(setup: Setup, model: mujoco.MjModel, log: Log, servos: Array) -> Co
     dt, actuators = model.opt.timestep, _servos(setup, log)
     ahead = round((GOING + SETTLING) / dt)
     time = np.arange(-ahead, round(log.duration / dt) + 1) * dt
-    rows = np.tile(model.key("start").ctrl, (len(time), 1))
+    rest = model.key("start").ctrl[actuators]
     part = np.clip((time + GOING + SETTLING) / GOING, 0, 1)[:, None]
     part = part * part * (3 - 2 * part)
     asked = _asked(setup, log, time) + servos[:, 4]
-    rows[:, actuators] += part * (asked - rows[:, actuators])
+    told = rest + part * (asked - rest)
+    named = dict(zip(log.joints, told.T, strict=True))
+    rows = Channels(setup.robot, model).ctrl(named)
     engine = Engine(model)
     pieces = range(0, len(rows), STRETCH)
     records = [engine.advance(rows[i : i + STRETCH]) for i in pieces]
     qpos = np.concatenate([record.qpos for record in records])
     angles = turned(model, qpos, log.joints)
-    speed, spring = np.gradient(angles, dt, axis=0), rows[:, actuators] - angles
+    speed, spring = np.gradient(angles, dt, axis=0), told - angles
     within = np.array([band_in(model, joint) / 2 for joint in log.joints])
     spring -= np.clip(spring, -within, within)
     inertia, leg = _inertia(setup.as_planned.model, _dofs(setup.as_planned.model, log))

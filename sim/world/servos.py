@@ -18,7 +18,7 @@ from models.description import (
     ALSO,
     KNOWN_SERVOS,
     ON_JOINT,
-    actuator_of,
+    actuators_of,
     board_rate,
     is_position_servo,
     servo_of,
@@ -221,15 +221,19 @@ def _tune(servo: mujoco.MjsActuator, asked: ServoSettings) -> None:
 
 @dataclass(frozen=True)
 class Channels:
-    """Commands of a model: the places of its leg joints in ctrl."""
+    """Commands of a model: the places of its leg joints in ctrl.
+
+    What a joint has beside its servo are springs of its dead band, which follow it.
+    """
 
     robot: Robot
     model: mujoco.MjModel
 
     def ctrl(self, targets: Mapping[str, np.ndarray]) -> np.ndarray:
         """Commands (T, nu) for angles (T,) of joints; others keep the keyframe's."""
-        columns = {actuator_of(self.model, j): angle for j, angle in targets.items()}
-        rows = np.tile(self.model.key("start").ctrl, (len([*columns.values()][0]), 1))
+        model, items = self.model, targets.items()
+        columns = {a: angle for j, angle in items for a in actuators_of(model, j)}
+        rows = np.tile(model.key("start").ctrl, (len([*columns.values()][0]), 1))
         rows[:, [*columns]] = np.stack([*columns.values()], axis=1)
         return np.ascontiguousarray(rows)
 

@@ -1,5 +1,6 @@
 """What walks say when they are interrupted, and what becomes of several draws."""
 
+import json
 from argparse import Namespace
 from contextlib import contextmanager
 from dataclasses import replace
@@ -8,6 +9,7 @@ from types import SimpleNamespace
 import pytest
 
 from sim import endings, run_folder
+from sim.cli import main
 from sim.commands import walks
 from sim.commands.walks import Try, judged_tries, tries_of, walk_tries
 from sim.errors import ExitCode, FilesError, SimulationError, UsageError
@@ -156,7 +158,9 @@ def test_draws_are_judged_by_the_worst_and_none_that_ends_on_the_spot_is_off(cap
 
 
 @pytest.mark.parametrize("given", [None, ("ideal", "compliant")])
-def test_draws_make_the_predictions_that_are_asked_for(given, monkeypatch, tmp_path):
+def test_draws_make_the_predictions_that_are_asked_for(
+    given, monkeypatch, tmp_path, capsys
+):
     """Those that cost as much as walks are left out where none are named."""
     made = []
 
@@ -166,9 +170,12 @@ def test_draws_make_the_predictions_that_are_asked_for(given, monkeypatch, tmp_p
 
     monkeypatch.setattr(walks, "MEASURES", {})
     monkeypatch.setattr(run_folder, "run", run)
-    options = Namespace(out=str(tmp_path / "a"), json=True, tries=1, tolerance=0.05)
-    tries_of(replace(LINE, predictions=given, imperfect="hobby"), None, options, [])
+    asked = [] if given is None else ["--set", f"predictions={json.dumps(given)}"]
+    words = ["run", "line", "--tries", "1", *asked, "--out", str(tmp_path / "a")]
+    assert main([*words, "--no-video"]) == ExitCode.SIMULATION
     assert made == [given or ("ideal", "quasi_static")]
+    ignored = "(ideal, compliant)" if given else "(ideal, quasi-static)"
+    assert f"{ignored}\n" in capsys.readouterr().err  # and of no others
 
 
 @pytest.mark.parametrize("drawn", ["bumps", "zero_offset", "dead_band_spread"])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from sim.drive import rehearsal
-from sim.drive.drive import LEAST_FRICTION, Drive, _needed, _zero_offsets
+from sim.drive.drive import LEAST_FRICTION, Drive, _needed, zero_offsets
 from sim.drive.feed_forward import (
     GIVES,
     FeedForward,
@@ -93,7 +93,7 @@ def test_torque_that_is_needed_grows_with_speed_to_all_at_no_load():
 def test_zeros_are_drawn_within_their_spread_or_given_one_by_one(setup):
     def drawn(**changes):
         scenario = replace(setup.scenario, **changes)
-        return _zero_offsets(SimpleNamespace(scenario=scenario), 500)
+        return zero_offsets(scenario, 500)
 
     found = drawn(zero_offset=0.02)
     assert np.abs(found).max() <= 0.02

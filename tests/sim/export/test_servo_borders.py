@@ -188,23 +188,20 @@ def test_a_ros_servo_goes_from_its_first_tick_to_its_last(tmp_path):
     assert servo.limits == pytest.approx((-0.6, 1.38))
 
 
-def test_rows_of_commands_come_in_stretches_and_hold_where_there_is_no_servo():
+def test_rows_of_commands_come_in_stretches():
     held = ServoCommands(JOINTS, 50.0, np.array([[1.0, 2.0]]))
-    rest, steps = np.array([7.0, 8.0, 9.0]), 2 * STRETCH + 3
-    blocks = list(held.rows(rest, np.array([0, 2]), steps, 0.001))
+    blocks = list(held.rows(2 * STRETCH + 3, 0.001))
     assert [len(block) for block in blocks] == [STRETCH, STRETCH, 3]
-    assert (np.concatenate(blocks) == [1.0, 8.0, 2.0]).all()
-    one = list(held.rows(rest, np.array([0, 2]), 5, 0.001, interpolated=True))
-    assert (np.concatenate(one) == [1.0, 8.0, 2.0]).all()
+    assert (np.concatenate(blocks) == [1.0, 2.0]).all()
+    one = list(held.rows(5, 0.001, interpolated=True))
+    assert (np.concatenate(one) == [1.0, 2.0]).all()
 
 
 def test_interpolated_commands_go_on_across_stretches():
     count = 400
     ramp = ServoCommands(("a",), 50.0, np.arange(float(count))[:, None])
     steps = count * 20
-    rows = np.concatenate(
-        list(ramp.rows(np.zeros(1), np.array([0]), steps, 0.001, True))
-    )
+    rows = np.concatenate(list(ramp.rows(steps, 0.001, interpolated=True)))
     best = np.minimum(np.arange(steps) * 0.05, count - 1)
     assert rows[:, 0] == pytest.approx(best)
 

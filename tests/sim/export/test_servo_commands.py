@@ -30,25 +30,23 @@ def test_commands_that_are_held_are_taken_again_unchanged(rate):
     angles = rows(40)[:, :2]
     commands = ServoCommands(JOINTS, rate, angles)
     steps = int(40 / rate / TIMESTEP)
-    held = list(commands.rows(np.array([9.0, 8, 7, 6]), ACTUATORS, steps, TIMESTEP))
-    ctrl = np.concatenate(held)
-    assert ctrl.shape == (steps, 4)
-    assert (ctrl[:, [1, 3]] == [8.0, 6.0]).all()
-    again = taken(ctrl, JOINTS, ACTUATORS, rate, TIMESTEP)
+    held = np.concatenate(list(commands.rows(steps, TIMESTEP)))
+    assert held.shape == (steps, 2)
+    again = taken(held, JOINTS, np.array([0, 1]), rate, TIMESTEP)
     assert (again.angles == angles[: len(again.angles)]).all()
     assert len(again.angles) >= 39
 
 
 def test_the_last_command_holds_to_the_end():
     commands = ServoCommands(JOINTS, 50.0, rows(3)[:, :2])
-    ctrl = np.concatenate(list(commands.rows(np.zeros(4), ACTUATORS, 9000, TIMESTEP)))
-    assert (ctrl[80:, ACTUATORS] == commands.angles[2]).all()
+    held = np.concatenate(list(commands.rows(9000, TIMESTEP)))
+    assert (held[80:] == commands.angles[2]).all()
 
 
 def test_interpolated_commands_are_lines_between_those_that_are_given():
     commands = ServoCommands(JOINTS, 50.0, rows(4)[:, :2])
-    given = commands.rows(np.zeros(4), ACTUATORS, 9000, TIMESTEP, interpolated=True)
-    ctrl = np.concatenate(list(given))[:, ACTUATORS]
+    given = commands.rows(9000, TIMESTEP, interpolated=True)
+    ctrl = np.concatenate(list(given))
     assert ctrl[:121:40] == pytest.approx(commands.angles)  # every 20 ms
     between = (commands.angles[0] + 3 * commands.angles[1]) / 4
     assert ctrl[30] == pytest.approx(between)

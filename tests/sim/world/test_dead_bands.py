@@ -7,6 +7,7 @@ import pytest
 from models import SERVO_KINDS
 from models.description import actuators_of
 from sim.errors import UsageError
+from sim.export.source import from_scenario, play
 from sim.preparation.setup import prepare
 from sim.scenarios.body_path import line
 from sim.scenarios.scenario import Scenario
@@ -98,3 +99,25 @@ def test_the_band_of_the_make_is_asked_for_by_a_word(standing):
     assert own.dead_band == SERVO_KINDS["mg90"].dead_band
     with pytest.raises(UsageError, match="servos are of no make"):
         standing(dead_band="own")
+
+
+@pytest.mark.parametrize("law", ["offset", "step"])
+def test_whatever_commands_a_joint_commands_the_springs_of_its_band(standing, law):
+    """Experiments, exports and fits command joints; a spring left behind pulls back."""
+    setup = standing(servo_stiffness=60.0, dead_band=0.02, dead_band_law=law)
+    joints = setup.robot.card.joints
+    asked = {joint: 0.01 * np.arange(3.0) + n for n, joint in enumerate(joints)}
+    ctrl = setup.channels.ctrl(asked)
+    for joint, angles in asked.items():
+        driving = actuators_of(setup.model, joint)
+        assert len(driving) == (2 if law == "offset" else 3)
+        assert (ctrl[:, driving] == angles[:, None]).all()
+
+
+@pytest.mark.physics
+def test_an_exported_walk_of_servos_with_dead_bands_is_the_walk(standing):
+    own = {"servo_stiffness": 60.0, "dead_band": 0.02, "command_rate": 50.0}
+    setup = standing(**own, predictions=("ideal",))
+    source = from_scenario(setup.scenario, setup.robot)
+    played = play(source, source.commands(50.0))
+    assert played.changed < 1e-9  # bit for bit, but for the sum of rounded times
