@@ -2,7 +2,8 @@
 
 An increment in which feet touch, let go or change their load by much, and one without
 an equilibrium, is repeated with a quarter of it. A lane that finds no equilibrium,
-however short the increment, ends there, and so does one whose robot tips over.
+however short the increment, or goes on in tiny ones alone, ends there, and so does one
+whose robot tips over.
 """
 
 from dataclasses import dataclass
@@ -15,6 +16,7 @@ from sim.compliant.increment import Done, Mechanics, State
 
 LONGEST, SHORTEST = 0.02, 0.002  # [s]; increments that contacts and loads ask for
 HOPELESS = 1e-6  # [s]; without an equilibrium even so, a lane ends
+PATIENCE = 100  # increments that fail, with none of `SHORTEST` between, likewise
 CALM = 0.08  # of the weight; a larger change of a load is resolved
 SLACK = 1e-9  # [s]; times closer than this are the same
 TIPPED = np.cos(np.deg2rad(30))  # of the body's tilt, beyond which it has tipped over
@@ -90,7 +92,7 @@ def march(
     robot tipped over there, (B,), bool.
     """
     lanes, time, until = np.arange(len(begin)), begin, end
-    h = np.full(len(begin), SHORTEST)
+    h, failed = np.full(len(begin), SHORTEST), np.zeros(len(begin), dtype=int)
     ended, tipped = np.full(len(begin), np.inf), np.zeros(len(begin), dtype=bool)
     first, _ = commands.over(begin, begin + SLACK)
     done = mechanics.standing(robots, first, yaw)
@@ -109,12 +111,15 @@ def march(
         longer = np.where(event, SHORTEST, np.minimum(2 * h, LONGEST))
         shorter = np.maximum(length / 4, np.where(done.holds, SHORTEST, 0.0))
         h = np.where(accepted, np.maximum(longer, SHORTEST), shorter)
+        whole = accepted & (length > SHORTEST / 2)
+        failed = np.where(whole, 0, failed + ~done.holds)
         over = accepted & (done.state.turned[:, 2, 2] < TIPPED)
-        lost = over | (~accepted & (h < HOPELESS))
+        lost = over | (~accepted & (h < HOPELESS)) | (failed > PATIENCE)
         if (gone := lost | (time >= until - SLACK)).any():
             ended[lanes[lost]], tipped[lanes[over]] = time[lost], True
             on = ~gone
             lanes, time, h, until = lanes[on], time[on], h[on], until[on]
+            failed = failed[on]
             robots, state = robots.take(on), state.take(on)
     return _track(rows), ended, tipped
 

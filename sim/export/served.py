@@ -44,7 +44,7 @@ class ServedWalk:
 
     def __init__(self, setup: Setup, rate: float = SERVO_RATE) -> None:
         self.setup, self.feedback = setup, setup.feedback()
-        self.rate = setup.servo.rate or rate
+        self.rate = min(setup.servo.rate, 1 / setup.limits.timestep) or rate
         self.joints = tuple(setup.robot.card.joints)
         self.stops: list[Stop] = []
         self.scaled_down = 0

@@ -111,9 +111,8 @@ class ScenarioProblem(Problem):
 
     def check(self, plan: Plan) -> None:
         """Refuse a plan that tips the robot over, or makes its legs collide."""
-        if not self.setup.scenario.allow_unstable:
-            cache = self.setup.walk_cache(self.shared)
-            cache("sound", partial(require_sound, self.setup, plan))
+        cache = self.setup.walk_cache(self.shared)
+        cache("sound", partial(require_sound, self.setup, plan))
 
     def solve(self) -> Solution:
         """Plan, check and optimise; a robot that cannot go there is told why."""

@@ -10,7 +10,7 @@ from planner import Array, Plan
 from sim.compliant.prediction import Leg, course_of, phases_of
 from sim.drive.drive import Drive
 from sim.drive.feed_forward import FeedForward
-from sim.drive.rehearsal import rehearsal_of
+from sim.drive.rehearsal import Beforehand
 from sim.feedback.stops import Followed
 from sim.motion.schedule import Phase, Scheduler
 from sim.physics.recording import Recording
@@ -97,14 +97,8 @@ def laid_out(setup: Setup, planned: Plan) -> list[Stretch]:
     walking = Scheduler(setup.limits, first.end, first.stop)
     schedule_flows(setup, walking, list(planned.segments()))
     walking.hold(setup.limits.hold)
-    drive, rehearsal = Drive(setup), rehearsal_of(setup)
-    stretches = []
-    for schedule in (first, walking.finish()):
-        torques = None
-        if rehearsal is not None and drive.feeds_forward:
-            torques = rehearsal.torques(schedule)
-        stretches.append(Stretch(schedule, np.zeros(3), torques))
-    return stretches
+    both, beforehand = (first, walking.finish()), Beforehand(setup, Drive(setup))
+    return [Stretch(s, np.zeros(3), *beforehand.feed_forward(s)) for s in both]
 
 
 class Ahead:

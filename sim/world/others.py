@@ -13,6 +13,7 @@ from models.description import ON_JOINT
 from planner import Array
 
 COUPLING = (int(mujoco.mjtEq.mjEQ_JOINT), int(mujoco.mjtEq.mjEQ_TENDON))
+TORN = 1e-6  # slope of an equation, below which joints that nothing drives follow
 MOVES = 1e-9  # moment of an actuator about a joint, below which it does not move it
 
 
@@ -76,7 +77,8 @@ def couplings(robot: Robot) -> list[int]:
     count = np.array([moved[own].any(axis=0).sum() for own in rows], dtype=int)
     alone = np.array([not linked[own].any() for own in rows], dtype=bool)
     alone |= np.isin(model.eq_type, COUPLING)
-    coupling = (count > 1) | ((count > 0) & alone)
+    torn = [_tears(slopes[own], [*driven], passive) for own in rows]
+    coupling = (count > 1) | ((count > 0) & (alone | np.array(torn, dtype=bool)))
     sites = model.eq_objtype == int(mujoco.mjtObj.mjOBJ_SITE)
     placed = sites | (model.eq_objtype == int(mujoco.mjtObj.mjOBJ_BODY))
     ends = np.stack([model.eq_obj1id, model.eq_obj2id]) * placed
@@ -86,6 +88,12 @@ def couplings(robot: Robot) -> list[int]:
     fixed = (weld == 0) | (model.body_mocapid[weld] >= 0)
     held = own.any(axis=0) & fixed.any(axis=0) & (data.eq_active > 0)
     return np.flatnonzero(coupling | held).tolist()
+
+
+def _tears(slopes: Array, driven: list[int], passive: list[int]) -> bool:
+    """Whether joints that nothing drives cannot follow the others within equations."""
+    free, told = slopes[:, passive], slopes[:, driven]
+    return bool((np.abs(told - free @ np.linalg.pinv(free) @ told) > TORN).any())
 
 
 def loose_joints(robot: Robot) -> list[str]:

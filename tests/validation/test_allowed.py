@@ -2,6 +2,7 @@
 
 import pytest
 
+from planner.errors import BudgetError
 from sim.errors import SimulationError
 from sim.preparation.shared import Shared
 from sim.scenarios.file import load_scenario
@@ -25,3 +26,14 @@ def test_what_one_walk_was_allowed_the_next_is_not(tmp_path):
     assert done.summary.verdict == "fell"
     with pytest.raises(SimulationError, match="the plan tips the robot over"):
         simulate(forbidden, shared=shared)
+
+
+def test_a_plan_that_was_made_in_time_is_none_for_less_time():
+    changes = {"segments": 2, "path.goal": [0.01, 0, 0], "predictions": ["ideal"]}
+    patient, hasty = (
+        load_scenario("line", changes | {"plan_time": limit}) for limit in (300.0, 1e-6)
+    )
+    shared = Shared()
+    assert simulate(patient, without=("creep_floor",), shared=shared).plan
+    with pytest.raises(BudgetError, match="none within 1e-06 s"):
+        simulate(hasty, shared=shared)

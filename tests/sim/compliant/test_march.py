@@ -6,7 +6,7 @@ import pytest
 from models import MeasurementError
 from sim.compliant import increment
 from sim.compliant.equilibrium import Found, equilibrium
-from sim.compliant.march import march
+from sim.compliant.march import PATIENCE, march
 from tests.equilibria import require_equilibrium
 from tests.planned import course
 
@@ -58,6 +58,30 @@ def test_no_increment_is_accepted_that_is_no_equilibrium(short, monkeypatch):
     assert len(track.time) == 1
     with pytest.raises(MeasurementError, match=r"finds no equilibrium at 0\.00 s"):
         short[1].follow(short[2])
+
+
+def test_a_robot_that_goes_on_in_tiny_increments_alone_ends(short, monkeypatch):
+    """As some do that rattle in their backlash, for hours; others recover."""
+    lengths, every = [], [10**9]
+    whole = increment.Mechanics.increment
+
+    def failing(self, robots, state, begin, end, h):
+        lengths.extend(h)
+        done = whole(self, robots, state, begin, end, h)
+        tried = sum(length > 1e-3 for length in lengths)
+        recovers = (h > 1e-3) & (tried % every[0] == 0)
+        return done._replace(holds=done.holds & ((h < 1e-4) | recovers))
+
+    monkeypatch.setattr(increment.Mechanics, "increment", failing)
+    _, ended, tipped = marched(short, 0.4)
+    assert PATIENCE < len(lengths) < 2 * PATIENCE  # a quarter of them are accepted
+    assert 0 < ended[0] < 0.4
+    assert not tipped[0]
+    lengths.clear()
+    every[0] = 10
+    _, ended, _ = marched(short, 0.02)
+    assert len(lengths) > 2 * PATIENCE
+    assert np.isinf(ended[0])
 
 
 def test_every_accepted_increment_of_a_walk_is_an_equilibrium(short, monkeypatch):

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from planner import Flow
+from sim.drive import rehearsal
+from sim.drive.drive import Drive
 from sim.preparation.setup import prepare
 from sim.scenarios.file import load_scenario
 from sim.walking import finished
@@ -24,8 +26,12 @@ def setup():
 def test_every_stretch_has_the_torques_of_its_own_schedule_where_servos_are_soft(
     setup, monkeypatch
 ):
-    told = SimpleNamespace(torques=lambda schedule: ("torques of", schedule))
-    monkeypatch.setattr(finished, "rehearsal_of", lambda _: told)
+    def torques(schedule):
+        return "torques of", schedule
+
+    fake = SimpleNamespace(torques=torques)
+    monkeypatch.setattr(rehearsal, "rehearsal_of", lambda _: fake)
+    monkeypatch.setattr(Drive, "require_strength", lambda *_: None)
     standing, walking = laid_out(prepare(load_scenario("line", SOFT)), PLAN)
     for stretch in (standing, walking):
         assert stretch.torques == ("torques of", stretch.schedule)
@@ -33,9 +39,18 @@ def test_every_stretch_has_the_torques_of_its_own_schedule_where_servos_are_soft
     assert walking.schedule.start == standing.schedule.stop > 0
     # stiff servos may be rehearsed for their strength, which changes no command
     assert [stretch.torques for stretch in laid_out(setup, PLAN)] == [None, None]
-    monkeypatch.setattr(finished, "rehearsal_of", lambda _: None)
+    monkeypatch.setattr(rehearsal, "rehearsal_of", lambda _: None)
     soft = prepare(load_scenario("line", SOFT | {"feed_forward": False}))
     assert [stretch.torques for stretch in laid_out(soft, PLAN)] == [None, None]
+
+
+def test_what_is_practised_for_slack_is_seen_ahead(monkeypatch):
+    """The commands that are aimed are those that `Walker` gives."""
+    practice = SimpleNamespace(shifts=lambda schedule, _: ("shifts of", schedule))
+    monkeypatch.setattr(rehearsal, "Practice", lambda _: practice)
+    loose = prepare(load_scenario("line", {"dead_band": 0.005}))
+    for stretch in laid_out(loose, PLAN):
+        assert stretch.practised == ("shifts of", stretch.schedule)
 
 
 def test_a_plan_ends_where_all_its_commands_have_led(setup, monkeypatch):

@@ -7,6 +7,7 @@ import pytest
 from models import SERVO_KINDS
 from models.description import actuators_of
 from sim.errors import UsageError
+from sim.export.served import served
 from sim.export.source import from_scenario, play
 from sim.preparation.setup import prepare
 from sim.scenarios.body_path import line
@@ -121,3 +122,13 @@ def test_an_exported_walk_of_servos_with_dead_bands_is_the_walk(standing):
     source = from_scenario(setup.scenario, setup.robot)
     played = play(source, source.commands(50.0))
     assert played.changed < 1e-9  # bit for bit, but for the sum of rounded times
+
+
+@pytest.mark.physics
+def test_a_walk_of_more_commands_than_steps_is_exported_a_command_a_step(standing):
+    setup = standing(command_rate=5000.0, predictions=("ideal",))
+    source = from_scenario(setup.scenario, setup.robot)
+    commands = source.commands(60.0)
+    assert commands.rate == pytest.approx(1000.0)
+    assert play(source, commands).changed < 1e-9
+    assert served(setup.scenario).rate == pytest.approx(1000.0)

@@ -63,17 +63,31 @@ def test_what_ties_legs_together_no_longer_holds_and_is_told(kind, edited, scena
     assert "equations 'bar' couple leg joints" in told
 
 
-def test_what_closes_a_linkage_within_a_leg_stays(edited, scenario):
-    """A rod beside the leg, on a joint of its own that nothing drives."""
-    rod = """<body name="rod"><joint name="rod" axis="0 0 1" damping="0.1"/>
+SLIDES = "".join(
+    f'<joint name="{axis}" type="slide" axis="{axis}" damping="0.1"/>'
+    for axis in ("1 0 0", "0 1 0", "0 0 1")
+)
+TURNS = '<joint name="rod" axis="0 0 1" damping="0.1"/>'
+
+
+@pytest.mark.parametrize(
+    ("joints", "more", "stays"), [(SLIDES, "0 0 0", True), (TURNS, "0", False)]
+)
+def test_what_closes_a_linkage_within_a_leg_stays_where_it_can_follow(
+    edited, scenario, joints, more, stays
+):
+    """A part beside the leg, on joints that nothing drives; one alone would tear."""
+    rod = f"""<body name="rod">{joints}
       <geom size="0.001" mass="0.001" contype="0" conaffinity="0"/></body>"""
     tie = '<connect name="bar" body1="leg_1" body2="rod" anchor="0.01 0 0"/>'
     robot = edited(
-        "<freejoint", f"{rod}<freejoint", START, START.replace('0"', '0 0"'),
+        "<freejoint", f"{rod}<freejoint", START, START.replace('0"', f'0 {more}"'),
         "<sensor>", f"<equality>{tie}</equality><sensor>",
     )  # fmt: skip
-    assert prepare(scenario(), robot).model.eq_active0.tolist() == [1]
-    assert not list(changes(robot, scenario()))
+    assert prepare(scenario(), robot).model.eq_active0.tolist() == [stays]
+    told = [line for line in changes(robot, scenario()) if "equations 'bar'" in line]
+    assert len(told) == (not stays)
+    assert len(list(changes(robot, scenario()))) == len(told)
 
 
 @pytest.mark.parametrize(
