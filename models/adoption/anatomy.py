@@ -19,6 +19,7 @@ from planner import Array
 
 FARTHEST = 1e3  # [rad] that a hinge is taken to turn, whatever its range says
 LEVEL = np.deg2rad(60)  # axes nearer to the vertical do not lift
+ALIKE = 1e-4  # [m] by which soles differ in height
 SOLID = range(int(mujoco.mjtGeom.mjGEOM_SPHERE), int(mujoco.mjtGeom.mjGEOM_MESH) + 1)
 
 
@@ -30,6 +31,7 @@ class Limb:
     lift: str  # joint that raises the foot most
     hold: tuple[str, ...]  # further joints, from the body outward
     foot: str  # geom at its end
+    soles: tuple[str, ...]  # it, and others that are as low
     hip: Array  # where the swing axis is, as the model stands, shape (2,) [m]
     toe: Array  # where the foot would touch the ground, shape (3,) [m]
     turn: float  # 1 where the swing axis points up, -1 where it points down
@@ -130,11 +132,13 @@ def _limb(pose: Pose, hip: int, chain: dict[int, list[int]], source: str) -> Lim
     if not rises[lift]:
         raise refusal("no_lift", source, foot=name)
     rest = [n for k, n in enumerate(names) if k not in (swing, lift)]
+    low = [g for g in last if g != foot and pose.bottom(g)[2] < toe[2] + ALIKE]
     return Limb(
         swing=names[swing],
         lift=names[lift],
         hold=(*rest[::-1],),
         foot=name,
+        soles=(name, *(model.geom(geom).name for geom in low)),
         hip=np.array(anchors[swing][:2]),
         toe=toe,
         turn=float(np.sign(axes[swing, 2])),

@@ -15,6 +15,7 @@ from planner.errors import (
 )
 from planner.support.files import (
     open_file as open_file,
+    placed as placed,
     read_file as read_file,
     read_text as read_text,
     remove_unfinished as remove_unfinished,

@@ -82,6 +82,11 @@ def require_space(folder: Path, size: int) -> None:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(folder))
 
 
+def placed(path: Path) -> Path:
+    """The place of a file, which alone may be a link, through folders that are none."""
+    return path.parent.resolve() / path.name
+
+
 def open_file(path: Path | str) -> BufferedReader:
     """Open a file for reading, and nothing that would be waited for or never ends."""
     try:

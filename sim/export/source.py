@@ -136,8 +136,7 @@ def play(
     told = commands.rows(source.steps, source.timestep, interpolated)
     order = [commands.joints.index(joint) for joint in source.joints]
     named = (dict(zip(source.joints, row.T[order], strict=True)) for row in told)
-    pieces = map(channels.ctrl, named)
-    for done in recorder.play(pieces, np.union1d(steps, [starts])):
+    for done in recorder.play(map(channels.ctrl, named), np.union1d(steps, [starts])):
         progress("playing", done / source.steps)
     recording = recorder.finish()
     moments, walking = recording.moments, steps >= starts

@@ -90,7 +90,8 @@ class Setup:
         scenario, limits = self.scenario, self.limits
         if shared is None or scenario.replan or not self.is_shareable:
             return no_cache
-        key = self.robot, scenario.key(*PLAN, "motion"), limits, scenario.sample_every
+        asked = scenario.key(*PLAN, "motion", "refusal")
+        key = self.robot, asked, limits, scenario.sample_every
         return lambda kind, make: shared.cached(kind, key, make, CACHED_WALKS)
 
     @property

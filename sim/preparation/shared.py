@@ -20,7 +20,7 @@ T = TypeVar("T")
 
 WORLD: tuple[Effect, ...] = ("equations", "motion", "world", "drive")
 """What a setting affects that matters to measurements in a world: all but the way."""
-PLAN: tuple[Effect, ...] = ("equations", "plan", "refusal")  # to one on ideal fields
+PLAN: tuple[Effect, ...] = ("equations", "plan")  # to a plan on ideal fields
 CACHED = 32  # things of a kind
 
 

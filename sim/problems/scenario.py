@@ -106,7 +106,7 @@ class ScenarioProblem(Problem):
         make = partial(plan_open_loop, self.setup)
         if self.shared is None or not self.setup.is_shareable:
             return make()
-        key = self.setup.robot, self.setup.scenario.key(*PLAN)
+        key = self.setup.robot, self.setup.scenario.key(*PLAN, "refusal")
         return self.shared.cached("plan", key, make)
 
     def check(self, plan: Plan) -> None:

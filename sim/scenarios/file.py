@@ -1,6 +1,5 @@
 """Scenarios as TOML files: reading them by name or path, and writing them whole."""
 
-import os
 import sys
 from collections.abc import Iterable, Mapping
 from copy import deepcopy
@@ -11,7 +10,7 @@ from shlex import quote
 from typing import Any
 
 from models.description import parse_toml, toml_key, toml_text
-from planner.support import did_you_mean, read_text
+from planner.support import did_you_mean, placed, read_text
 from sim.endings import command
 from sim.errors import UsageError, telling
 from sim.scenarios import body_path as nominal, obstacles as shapes
@@ -147,7 +146,7 @@ def _anchor(table: Values, key: str, folder: Path, suffix: str = "") -> None:
         return
     try:
         (folder / name).resolve()  # which refuses a zero byte, or a link to itself
-        table[key] = os.path.abspath(folder / name)  # a card may be beside a link
+        table[key] = str(placed(folder / name))  # a card may be beside a link
     except (ValueError, RuntimeError) as error:
         raise UsageError.of("no_file", folder, name=name, error=error) from error
 

@@ -18,6 +18,7 @@ import numpy as np
 from models import Kinematics, ModelError, Robot
 from models.description import ON_JOINT, compile_model, elements_with_files, one_line
 from planner import Array
+from planner.support import placed
 from sim.errors import message
 from sim.scenarios.scenario import Scenario
 from sim.world.dead_bands import ensure_dead_bands
@@ -252,8 +253,8 @@ def origin(robot: Robot) -> tuple[str, dict[str, bytes]]:
     """
     if robot.is_shipped:
         return robot.name, {}
-    mjcf = Path(os.path.abspath(robot.path))
-    used = {Path(os.path.abspath(path)) for path in (mjcf, *robot.opened.files)}
+    mjcf = placed(robot.path)
+    used = {placed(path) for path in (mjcf, *robot.opened.files)}
     above = os.path.commonpath([path.parent for path in used])
     copies = {
         Path(COPY, path.relative_to(above)).as_posix(): path.read_bytes()

@@ -88,3 +88,12 @@ def test_a_robot_of_another_shape_is_walked_and_played_in_that_shape(planned):
     assert prepare(short).robot.geometry == {}
     with pytest.raises(UsageError, match="the plan is not one of hexapod"):
         walk(robot, planned[1])
+
+
+@pytest.mark.physics
+@pytest.mark.parametrize(
+    "free", [{"allow_unstable": True}, {"plan_time": 5.0}], ids=str
+)
+def test_what_a_walk_may_be_refused_for_is_not_settled_by_its_plan(planned, free):
+    """A plan carries none of it, and `walk` itself looks whether robots tip over."""
+    assert walk(*planned, **free).phases

@@ -189,3 +189,20 @@ def test_the_card_of_a_robot_that_is_a_link_is_beside_the_link(
     main, copies = world.origin(read)
     assert main == "robot/robot.xml"
     assert copies["robot/robot.toml"] == (mine / "robot.toml").read_bytes()
+
+
+def test_a_path_through_a_linked_folder_is_the_one_that_the_system_opens(
+    edited, tmp_path
+):
+    """Two dots lead out of the folder that a link leads to."""
+    robot = edited("lift_angle = ", "lift_angle = ").path
+    deep, other = tmp_path / "real" / "deep", tmp_path / "real" / "robots"
+    deep.mkdir(parents=True)
+    other.symlink_to(tmp_path)
+    (tmp_path / "link").symlink_to(deep)
+    asked = {"robot": str(tmp_path / "link" / ".." / "robots" / robot.name)}
+    read = load(load_scenario("line", asked).robot)
+    assert read.path == tmp_path.resolve() / robot.name
+    main, copies = world.origin(read)
+    assert main == f"robot/{robot.name}"
+    assert copies[main] == robot.read_bytes()
