@@ -13,7 +13,7 @@ from models.description import ON_JOINT
 from planner import Array
 
 COUPLING = (int(mujoco.mjtEq.mjEQ_JOINT), int(mujoco.mjtEq.mjEQ_TENDON))
-TORN = 1e-6  # slope of an equation, below which joints that nothing drives follow
+TORN = 0.01  # of an equation's slopes, within which joints that nothing drives follow
 MOVES = 1e-9  # moment of an actuator about a joint, below which it does not move it
 
 
@@ -93,7 +93,8 @@ def couplings(robot: Robot) -> list[int]:
 def _tears(slopes: Array, driven: list[int], passive: list[int]) -> bool:
     """Whether joints that nothing drives cannot follow the others within equations."""
     free, told = slopes[:, passive], slopes[:, driven]
-    return bool((np.abs(told - free @ np.linalg.pinv(free) @ told) > TORN).any())
+    left = np.abs(told - free @ np.linalg.pinv(free) @ told)
+    return bool(left.max(initial=0.0) > TORN * np.abs(told).max(initial=0.0))
 
 
 def loose_joints(robot: Robot) -> list[str]:
