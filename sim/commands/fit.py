@@ -48,7 +48,8 @@ def fit(options: argparse.Namespace) -> None:
             facts["servos"] = {"unseen": fit.make.unseen(), "held_out": kept}
             parts["servos"] = _of_servos(fit) | {"noise": _noise(angles)}
         if walked is not None:
-            delay, _ = fitted.get("command_delay", (0.0, 0.0))
+            told = {} if walked.in_force else fitted
+            delay, _ = told.get("command_delay", (0.0, 0.0))
             with stage(progress, "fitting what moves the body"):
                 body = fit_poses(replace(walked, times=walked.times - delay))
             fitted = {**body.settings, **fitted}

@@ -1,9 +1,8 @@
 """Many robots through many increments, each as long as its own contacts allow.
 
 An increment in which feet touch, let go or change their load by much, and one without
-an equilibrium, is repeated with a quarter of it. A lane that finds no equilibrium,
-however short the increment, or goes on in tiny ones alone, ends there, and so does one
-whose robot tips over.
+an equilibrium, is repeated with a quarter of it. A lane ends that finds none, however
+short the increment, or goes on in tiny ones alone, and one whose robot tips over.
 """
 
 from dataclasses import dataclass

@@ -68,6 +68,7 @@ class Walked:
     times: Array  # (T,) [s]
     pose: Array  # measured, in a frame of its own, (T, 3)
     arm: float  # mean distance of the feet from the body's centre [m]
+    in_force: bool = False  # whether its commands have the servos' delay already
 
     @property
     def expected(self) -> Array:
@@ -113,8 +114,7 @@ def walked_of_run(run: Run) -> Walked:
     untold = replace(run, settings={**run.settings, "known": "none"})
     phases, course = course_of_run(untold)
     rows = run.walking
-    times = run.time[rows] + run.scenario.command_delay  # which is fitted, too
-    return Walked(phases, course, times, run.achieved[rows], run.reach)
+    return Walked(phases, course, run.time[rows], run.achieved[rows], run.reach, True)
 
 
 def walked_of_log(setup: Setup, log: Log) -> Walked:

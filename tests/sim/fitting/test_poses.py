@@ -176,5 +176,9 @@ def test_what_servos_add_to_commands_is_none_of_a_walk_s_log(tmp_path):
     plain, late = (log_of(read_run(tmp_path / name)) for name in ("plain", "late"))
     # the last command of the walk is the last of its run, which the delay cuts short
     assert late.commanded[:-6] == pytest.approx(plain.commanded[:-6], abs=1e-9)
+    follow = walked_of_run(read_run(tmp_path / "late"))
+    off = follow.missed(follow.expected[None], len(follow.times))[0]
+    # though it is late by 50 ms, which are millimetres while it moves
+    assert np.sqrt((off**2).sum(axis=0).mean()) < 1e-4
     settled = np.abs(late.measured - plain.measured)[0]
     assert settled.max() > 0.005  # zeros are where the joints are
