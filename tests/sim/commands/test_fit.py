@@ -21,6 +21,7 @@ class Course:
     """As much of a walk as the command looks at."""
 
     times: np.ndarray
+    in_force: bool = False
 
 
 def options(*sources, **changes):
@@ -42,15 +43,17 @@ def body():
     return SimpleNamespace(found=found, before=0.004, after=0.001, settings=settings)
 
 
-@pytest.mark.parametrize("late", [0.0, 0.03])
+@pytest.mark.parametrize(
+    ("late", "in_force"), [(0.0, False), (0.03, False), (0.03, True)]
+)
 def test_the_body_is_fitted_to_a_walk_whose_commands_came_late(
-    late, monkeypatch, capsys, hexapod
+    late, in_force, monkeypatch, capsys, hexapod
 ):
-    """By the delay of the servos, where one was found."""
+    """By the delay of the servos, where one was found; those of a run are in force."""
     setup, asked = SimpleNamespace(robot=hexapod), []
     angles = np.zeros((9, 1)) if late else None
     log = SimpleNamespace(measured=angles, done=())
-    sources = setup, [log], Course(np.array([1.0, 2.0]))
+    sources = setup, [log], Course(np.array([1.0, 2.0]), in_force)
     servos = SimpleNamespace(
         settings=lambda _: {"command_delay": (late, 0.001)},
         joints=(), before=np.zeros(0), after=np.zeros(0),
@@ -67,7 +70,8 @@ def test_the_body_is_fitted_to_a_walk_whose_commands_came_late(
 
     monkeypatch.setattr(command, "fit_poses", fit_poses)
     fit(options(json=True))
-    assert asked == [pytest.approx([1 - late, 2 - late])]
+    off = 0.0 if in_force else late
+    assert asked == [pytest.approx([1 - off, 2 - off])]
     told = json.loads(capsys.readouterr().out)
     assert told["settings"]["friction"] == {"value": 0.7, "error": 0.1}
     assert told["body"]["held_out"] == {"before": 0.004, "after": 0.001}
