@@ -145,8 +145,8 @@ def _anchor(table: Values, key: str, folder: Path, suffix: str = "") -> None:
     if not isinstance(name, str) or not name.endswith(suffix):
         return
     try:
-        (folder / name).resolve()  # which refuses a zero byte, or a link to itself
-        table[key] = str(placed(folder / name))  # a card may be beside a link
+        real, link = (folder / name).resolve(), placed(folder / name)
+        table[key] = str(link if link.with_suffix(".toml").exists() else real)
     except (ValueError, RuntimeError) as error:
         raise UsageError.of("no_file", folder, name=name, error=error) from error
 

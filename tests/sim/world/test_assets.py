@@ -186,6 +186,8 @@ def test_the_card_of_a_robot_that_is_a_link_is_beside_the_link(
     monkeypatch.chdir(mine)
     read = load(load_scenario("line", {"robot": "robot.xml"}).robot)
     assert read.card_text == (mine / "robot.toml").read_text()
+    (mine / "bare.xml").symlink_to(robot)  # all is beside what it leads to
+    assert load(load_scenario("line", {"robot": "bare.xml"}).robot).path == robot
     main, copies = world.origin(read)
     assert main == "robot/robot.xml"
     assert copies["robot/robot.toml"] == (mine / "robot.toml").read_bytes()
