@@ -19,7 +19,7 @@ UNEVEN_FEET = 0.02  # of the stance's size; tolerance of the feet's heights
 
 def limb(number, up=1.0, toe=(0.0, 0.0, 0.0), turn=1.0):
     names = f"s{number}", f"l{number}", (), f"f{number}"
-    return Limb(*names, np.zeros(2), np.array(toe, dtype=float), turn, up)
+    return Limb(*names, names[3:], np.zeros(2), np.array(toe, dtype=float), turn, up)
 
 
 def pose_of(spans, angles=None):

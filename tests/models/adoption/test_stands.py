@@ -27,7 +27,7 @@ def legs(ranges=FREE, weight=WEIGHT, arms=ARMS):
 def limbs(feet, hips=None):
     hips = 0.5 * np.asarray(feet) if hips is None else hips
     return [
-        Limb("s", "l", (), "f", np.array(hip), np.array([*foot, 0.0]), 1.0, 1.0)
+        Limb("s", "l", (), "f", (), np.array(hip), np.array([*foot, 0.0]), 1.0, 1.0)
         for hip, foot in zip(hips, feet, strict=True)
     ]
 

@@ -38,7 +38,9 @@ def trial(parts, groups=ALONE, lift=0.5, second=SECOND, reach=0.2):
     model = mujoco.MjModel.from_xml_string(MODEL.format(parts=parts, legs=legs))
     pose = Pose.at(model, model.body("trunk").id, model.qpos0)
     toe, hip = np.array([reach, 0.0, 0.0]), np.zeros(2)
-    limbs = [Limb(f"s{n}", f"l{n}", (), f"shin{n}", hip, toe, 1, -1) for n in range(2)]
+    limbs = [
+        Limb(f"s{n}", f"l{n}", (), f"shin{n}", (), hip, toe, 1, -1) for n in range(2)
+    ]
     return _Trial(pose, limbs, groups, lift)
 
 
@@ -121,7 +123,7 @@ def test_the_model_that_is_tried_is_a_copy():
     model = mujoco.MjModel.from_xml_string(MODEL.format(parts="", legs=legs))
     pose = Pose.at(model, model.body("trunk").id, model.qpos0)
     before = pose.data.qpos.copy()
-    limb = Limb("s0", "l0", (), "shin0", np.zeros(2), np.zeros(3), 1.0, -1.0)
+    limb = Limb("s0", "l0", (), "shin0", (), np.zeros(2), np.zeros(3), 1.0, -1.0)
     _Trial(pose, [limb], [{0: 1.0}, {}], 0.3).first_touching(0.4)
     assert pose.data.qpos.tolist() == before.tolist()
     assert not model.geom_margin.any()

@@ -76,6 +76,9 @@ def test_servos_at_their_limits_are_named(evidence):
     found = with_recording(with_setup(evidence, model=model), limited=limited)
     said = "servo of joint 'lift_2' gave all its 1.5 N m in 25 % of the time"
     assert said in likely_cause("fell", found)
+    aside = planned_aside(found, *found.predicted)  # which a plan for soft servos mends
+    assert said in likely_cause("missed", aside)
+    assert said not in likely_cause("missed", planned_aside(evidence, *found.predicted))
 
 
 def test_a_foot_that_never_carried_load_is_named(evidence):
