@@ -18,7 +18,7 @@ Legs = Mapping[int, Leg]
 SIX, EIGHT = (1, 4, 5), (1, 4, 6, 7)  # legs of the first group
 MOST_TIMES = 1000.0  # a number of a shape may be its own, either way
 # numbers that every shape has
-PLAIN = tuple(item.name for item in fields(Morphology) if item.type == "float")
+PLAIN = tuple(item.name for item in fields(Morphology) if item.type is float)
 RADIAL_BEARINGS = {1: 30, 2: -30, 3: 90, 4: -90, 5: 150, 6: -150}  # [degrees]
 
 

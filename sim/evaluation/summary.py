@@ -34,7 +34,7 @@ class Numbers(Mapping[str, Any]):
     def read(cls, table: Mapping[str, Any]) -> Self:
         """The values of a table, which may lack what has a default; else a KeyError."""
         items = fields(cls)  # type: ignore[arg-type]
-        texts = (i.name for i in items if i.type == "str" and i.name in table)
+        texts = (i.name for i in items if i.type is str and i.name in table)
         for name in (name for name in texts if not isinstance(table[name], str)):
             raise ValueError(f"{name} is {table[name]!r}, which is no text")
         required = {i.name for i in items if i.default is i.default_factory is MISSING}
