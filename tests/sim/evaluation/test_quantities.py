@@ -37,8 +37,8 @@ def test_quantities_that_are_compared_have_as_many_digits():
         assert quantity.digits == alike or "." not in quantity.key, quantity.key
 
 
-SAMPLES = {"str": "-", "bool": False, "list[float]": [0.1, 0.2, 0.0]}
-SAMPLES["list[float] | None"] = SAMPLES["list[float]"]
+SAMPLES = {str: "-", bool: False, list[float]: [0.1, 0.2, 0.0]}
+SAMPLES[list[float] | None] = SAMPLES[list[float]]
 
 
 def filled(kind, **given):
