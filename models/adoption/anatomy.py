@@ -19,7 +19,7 @@ from planner import Array
 
 FARTHEST = 1e3  # [rad] that a hinge is taken to turn, whatever its range says
 LEVEL = np.deg2rad(60)  # axes nearer to the vertical do not lift
-ALIKE = 1e-4  # [m] by which soles differ in height
+AS_LOW = 1e-4  # [m] by which soles differ in height
 SOLID = range(int(mujoco.mjtGeom.mjGEOM_SPHERE), int(mujoco.mjtGeom.mjGEOM_MESH) + 1)
 
 
@@ -132,7 +132,7 @@ def _limb(pose: Pose, hip: int, chain: dict[int, list[int]], source: str) -> Lim
     if not rises[lift]:
         raise refusal("no_lift", source, foot=name)
     rest = [n for k, n in enumerate(names) if k not in (swing, lift)]
-    low = [g for g in last if g != foot and pose.bottom(g)[2] < toe[2] + ALIKE]
+    low = [g for g in last if g != foot and pose.bottom(g)[2] < toe[2] + AS_LOW]
     return Limb(
         swing=names[swing],
         lift=names[lift],

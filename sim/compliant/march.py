@@ -15,7 +15,7 @@ from sim.compliant.increment import Done, Mechanics, State
 
 LONGEST, SHORTEST = 0.02, 0.002  # [s]; increments that contacts and loads ask for
 HOPELESS = 1e-6  # [s]; without an equilibrium even so, a lane ends
-PATIENCE = 100  # increments that fail, with none of `SHORTEST` between, likewise
+MOST_FAILED = 100  # increments that fail, with none of `SHORTEST` between, likewise
 CALM = 0.08  # of the weight; a larger change of a load is resolved
 SLACK = 1e-9  # [s]; times closer than this are the same
 TIPPED = np.cos(np.deg2rad(30))  # of the body's tilt, beyond which it has tipped over
@@ -113,7 +113,7 @@ def march(
         whole = accepted & (length > SHORTEST / 2)
         failed = np.where(whole, 0, failed + ~done.holds)
         over = accepted & (done.state.turned[:, 2, 2] < TIPPED)
-        lost = over | (~accepted & (h < HOPELESS)) | (failed > PATIENCE)
+        lost = over | (~accepted & (h < HOPELESS)) | (failed > MOST_FAILED)
         if (gone := lost | (time >= until - SLACK)).any():
             ended[lanes[lost]], tipped[lanes[over]] = time[lost], True
             on = ~gone

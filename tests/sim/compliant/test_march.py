@@ -6,7 +6,7 @@ import pytest
 from models import MeasurementError
 from sim.compliant import increment
 from sim.compliant.equilibrium import Found, equilibrium
-from sim.compliant.march import PATIENCE, march
+from sim.compliant.march import MOST_FAILED, march
 from tests.equilibria import require_equilibrium
 from tests.planned import course
 
@@ -74,13 +74,15 @@ def test_a_robot_that_goes_on_in_tiny_increments_alone_ends(short, monkeypatch):
 
     monkeypatch.setattr(increment.Mechanics, "increment", failing)
     _, ended, tipped = marched(short, 0.4)
-    assert PATIENCE < len(lengths) < 2 * PATIENCE  # a quarter of them are accepted
+    assert (
+        MOST_FAILED < len(lengths) < 2 * MOST_FAILED
+    )  # a quarter of them are accepted
     assert 0 < ended[0] < 0.4
     assert not tipped[0]
     lengths.clear()
     every[0] = 10
     _, ended, _ = marched(short, 0.02)
-    assert len(lengths) > 2 * PATIENCE
+    assert len(lengths) > 2 * MOST_FAILED
     assert np.isinf(ended[0])
 
 
