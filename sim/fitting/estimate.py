@@ -76,8 +76,8 @@ class Estimates:
         """Of what measurements add to what was expected, in its own directions."""
         scaled = self.information * np.outer(self.spread, self.spread)
         strength, directions = np.linalg.eigh(scaled)
-        rounded = strength[:, -1:] * len(self.parameters) * np.finfo(float).eps
-        return np.where(strength > rounded, strength, 0.0), directions
+        rounded = np.maximum(strength[:, -1:] * np.finfo(float).eps, -strength[:, :1])
+        return strength * (strength > len(self.parameters) * rounded), directions
 
     @property
     def seen(self) -> Array:
