@@ -132,7 +132,8 @@ def _limb(pose: Pose, hip: int, chain: dict[int, list[int]], source: str) -> Lim
     if not rises[lift]:
         raise refusal("no_lift", source, foot=name)
     rest = [n for k, n in enumerate(names) if k not in (swing, lift)]
-    low = [g for g in last if g != foot and pose.bottom(g)[2] < toe[2] + AS_LOW]
+    low = [g for g in last if chain[g] == joints and g != foot]
+    low = [geom for geom in low if pose.bottom(geom)[2] < toe[2] + AS_LOW]
     return Limb(
         swing=names[swing],
         lift=names[lift],

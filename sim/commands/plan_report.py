@@ -94,14 +94,14 @@ def of_walk(problem: "ScenarioProblem", planned: Plan, prospect: Prospect) -> Re
     """A scenario's plan, played: facts as in summary.json, with words explained."""
     from sim.evaluation.phases import swing_travel  # these load MuJoCo
     from sim.optimisation.judging import Judge
+    from sim.walking.finished import way_of
 
     setup, scenario = problem.setup, problem.setup.scenario
-    robot, stride, goal = setup.robot, setup.equations.stride, scenario.path.goal
+    robot, goal = setup.robot, scenario.path.goal
     states = play(planned.system, merged(planned.flows), planned.start)
     x, y, heading = states[-1, :3].tolist()
     schedule = Judge(setup).schedule([*planned.segments()])
     swings = [phase for phase in schedule.phases if phase.kind == "swing"]
-    walked = (stride(swing.field) * abs(swing.amount) for swing in swings)
     facts = {
         "scenario": scenario.name,
         "robot": robot.name,
@@ -120,7 +120,7 @@ def of_walk(problem: "ScenarioProblem", planned: Plan, prospect: Prospect) -> Re
         "largest_swing": float(abs(states[:, 3 : 3 + len(robot.groups)]).max()),
         "swing_travel": swing_travel(swings, robot.groups, loaded=True),
         "air_travel": swing_travel(swings, robot.groups, loaded=False),
-        "distance_walked": sum(walked, 0.0),
+        "distance_walked": way_of(setup, swings),
         "time": schedule.stop * setup.limits.timestep,  # [s], without holds
         "least_time": problem.least_time,
         "ignores": IDEAL.ignored(scenario),

@@ -110,8 +110,7 @@ def march(
         longer = np.where(event, SHORTEST, np.minimum(2 * h, LONGEST))
         shorter = np.maximum(length / 4, np.where(done.holds, SHORTEST, 0.0))
         h = np.where(accepted, np.maximum(longer, SHORTEST), shorter)
-        whole = accepted & (length > SHORTEST / 2)
-        failed = np.where(whole, 0, failed + ~done.holds)
+        failed = np.where(accepted & (length > SHORTEST / 2), 0, failed + ~done.holds)
         over = accepted & (done.state.turned[:, 2, 2] < TIPPED)
         lost = over | (~accepted & (h < HOPELESS)) | (failed > MOST_FAILED)
         if (gone := lost | (time >= until - SLACK)).any():

@@ -44,7 +44,7 @@ class ServedWalk:
 
     def __init__(self, setup: Setup, rate: float = SERVO_RATE) -> None:
         self.setup, self.feedback = setup, setup.feedback()
-        self.rate = min(setup.servo.rate, 1 / setup.limits.timestep) or rate
+        self.rate = setup.servo.rate or rate
         self.joints = tuple(setup.robot.card.joints)
         self.stops: list[Stop] = []
         self.scaled_down = 0
@@ -87,9 +87,8 @@ class ServedWalk:
 
     def seen(self, segment: int, pose: Sequence[float]) -> Stop:
         """Tell feedback what was seen after a segment: x, y, yaw, NaN if it was not."""
-        noise = [*self.feedback.sensing.noise, 0.0]
-        gyro = np.nan if np.isfinite(noise[2]) else pose[2]  # a yaw that is no camera's
-        now, reading = self.time, np.where(np.isfinite(noise), [*pose, gyro], np.nan)
+        gyro = np.nan if np.isfinite(self.feedback.sensing.yaw) else pose[2]
+        now, reading = self.time, np.array([*pose, gyro])
         unknown = np.full(3, np.nan)  # nobody knows where a real robot truly is
         moved = now - self._began, self._meant
         stop = stop_after(self.feedback, segment, now, *moved, reading, unknown)

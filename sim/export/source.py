@@ -81,8 +81,7 @@ class Source:
 
         Angles far beyond a joint's range, to which no servo leads it, are refused.
         """
-        fastest = 1 / self.timestep  # which a walk's own rate may be beyond
-        ctrl, asked = self.run.commands["ctrl"], min(self.servo.rate, fastest) or rate
+        ctrl, asked = self.run.commands["ctrl"], self.servo.rate or rate
         found = taken(ctrl, self.joints, self.actuators, asked, self.timestep)
         if len(found.angles) < 2:
             least = 1.01 / (self.steps * self.timestep)

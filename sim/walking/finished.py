@@ -59,9 +59,7 @@ class Walk:
     @property
     def distance(self) -> float:
         """Way of the ideal body centre, back and forth [m]."""
-        swings = [phase for phase in self.phases if phase.kind == "swing"]
-        stride = self.setup.equations.stride
-        return float(sum(stride(p.field) * abs(p.amount) for p in swings if p.field))
+        return way_of(self.setup, self.phases)
 
     @property
     def starts(self) -> int:
@@ -87,6 +85,12 @@ def laid_commands(
         schedule = stretch.schedule
         done = min(schedule.stop, steps) - schedule.start
         yield from drive.commands(schedule, stretch.torques, done, stretch.practised)
+
+
+def way_of(setup: Setup, phases: Iterable[Phase]) -> float:
+    """Way of the ideal body centre in some phases, back and forth [m]."""
+    swings = [phase for phase in phases if phase.kind == "swing" and phase.field]
+    return float(sum(setup.equations.stride(p.field) * abs(p.amount) for p in swings))
 
 
 def laid_out(setup: Setup, planned: Plan) -> list[Stretch]:

@@ -53,9 +53,8 @@ def holds_body(robot: Robot) -> bool:
     """Whether the body's own joint has damping, friction, springs or armature."""
     model, root = robot.model, robot.model.body(robot.root)
     dofs = slice(root.dofadr[0], root.dofadr[0] + 6)
-    parts = slowed(model), model.dof_armature
-    stiff = sprung(model)[root.jntadr[0]]
-    return bool(stiff or any(part[dofs].any() for part in parts))
+    held = slowed(model)[dofs].any() or model.dof_armature[dofs].any()
+    return bool(held or sprung(model)[root.jntadr[0]])
 
 
 def couplings(robot: Robot) -> list[int]:
@@ -71,14 +70,12 @@ def couplings(robot: Robot) -> list[int]:
     first = model.body(robot.root).dofadr[0]
     passive = [*{*range(model.nv)} - {*range(first, first + 6)} - driven]
     moved = (np.abs(slopes[:, dofs]) > MOVES).any(axis=2)  # a column a leg
-    linked = (np.abs(slopes[:, passive]) > MOVES).any(axis=1)
     equal = data.efc_type == int(mujoco.mjtConstraint.mjCNSTR_EQUALITY)
     rows = [equal & (data.efc_id == number) for number in range(model.neq)]
     count = np.array([moved[own].any(axis=0).sum() for own in rows], dtype=int)
-    alone = np.array([not linked[own].any() for own in rows], dtype=bool)
-    alone |= np.isin(model.eq_type, COUPLING)
     torn = [_tears(slopes[own], [*driven], passive) for own in rows]
-    coupling = (count > 1) | ((count > 0) & (alone | np.array(torn, dtype=bool)))
+    alone = np.array(torn, dtype=bool) | np.isin(model.eq_type, COUPLING)
+    coupling = (count > 1) | ((count > 0) & alone)
     sites = model.eq_objtype == int(mujoco.mjtObj.mjOBJ_SITE)
     placed = sites | (model.eq_objtype == int(mujoco.mjtObj.mjOBJ_BODY))
     ends = np.stack([model.eq_obj1id, model.eq_obj2id]) * placed

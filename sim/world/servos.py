@@ -65,6 +65,7 @@ class ServoSettings:
 
 def servo_settings(scenario: Scenario, card: Card) -> ServoSettings:
     """The servos that a scenario asks for; its numbers win over those of the make."""
+    fastest = 1 / scenario.timestep  # a command a physics step
     own = card.servo.made if card.servo is not None else ""
     name = scenario.servo or ("own" if own else "ideal")
     make = own if name == "own" else name
@@ -72,7 +73,7 @@ def servo_settings(scenario: Scenario, card: Card) -> ServoSettings:
         name=make,
         stiffness=scenario.servo_stiffness,
         damping=scenario.servo_damping,
-        rate=scenario.command_rate or 0.0,
+        rate=min(scenario.command_rate or 0.0, fastest),
         resolution=scenario.resolution or 0.0,
         feed_forward=scenario.feed_forward,
     )
@@ -92,7 +93,7 @@ def servo_settings(scenario: Scenario, card: Card) -> ServoSettings:
         damping_ratio=1.0 if asked.damping is None else None,
         torque=kind.stall_torque,
         speed=kind.no_load_speed,
-        rate=kind.command_rate if scenario.command_rate is None else asked.rate,
+        rate=min(kind.command_rate, fastest),
         resolution=kind.resolution if scenario.resolution is None else asked.resolution,
         armature=kind.rotor,
         kind=kind,
