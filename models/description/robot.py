@@ -182,6 +182,12 @@ class Robot:
         key, model = start_key(self.model), self.model
         return np.array(np.zeros(model.nu) if key is None else model.key_ctrl[key])
 
+    @property
+    def start_act(self) -> np.ndarray:
+        """Activations in the keyframe to start from, or none, in the file's order."""
+        key, model = start_key(self.model), self.model
+        return np.array(np.zeros(model.na) if key is None else model.key_act[key])
+
     def root_address_in(self, model: mujoco.MjModel) -> int:
         """Where the free joint's seven numbers begin in qpos of its file or a world."""
         return int(model.jnt_qposadr[model.body(self.root).jntadr[0]])

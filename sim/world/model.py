@@ -129,7 +129,8 @@ def ensure_start(spec: mujoco.MjSpec, robot: Robot, floor: Floor) -> float:
         if joint.name not in own:  # it has backlash, from its middle
             qpos = np.insert(qpos, place, 0.0)
         place += SIZES.get(joint.type, 1)
-    spec.add_key(name=START, qpos=qpos, ctrl=_ctrl(spec, robot))
+    act = _act(spec, robot)
+    spec.add_key(name=START, qpos=qpos, ctrl=_ctrl(spec, robot), act=act)
     return down
 
 
@@ -141,6 +142,15 @@ def _ctrl(spec: mujoco.MjSpec, robot: Robot) -> list[float]:
         if actuator.trntype in ON_JOINT and actuator.target in robot.card.joints
         else own.get(actuator.name, 0.0)
         for actuator in spec.actuators
+    ]
+
+
+def _act(spec: mujoco.MjSpec, robot: Robot) -> list[float]:
+    """Activations that the robot's file says; servos of leg joints have none."""
+    own, none = robot.model.actuator, mujoco.mjtDyn.mjDYN_NONE
+    late = [own(a.name) for a in spec.actuators if a.dyntype != none]
+    return [
+        x for one in late for x in robot.start_act[one.actadr[0] :][: one.actnum[0]]
     ]
 
 
