@@ -78,8 +78,10 @@ def likely_cause(word: str, evidence: Evidence) -> str:
 
 
 def _touching(evidence: Evidence) -> str:
-    touched = "obstacles" if evidence.walk.recording.wall_contacts else "legs"
-    return say(touched, twice=2 * evidence.walk.setup.scenario.segments)
+    scenario = evidence.walk.setup.scenario
+    stood = "obstacles" if scenario.obstacles else "fixed"
+    touched = stood if evidence.walk.recording.wall_contacts else "legs"
+    return say(touched, twice=2 * scenario.segments)
 
 
 def _on_paper(evidence: Evidence) -> str:

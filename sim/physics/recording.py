@@ -81,7 +81,7 @@ class Recording:
     bounces_of: Array  # each foot's, (F,)
     limited: Array  # steps in which each actuator gave all the force it has, (nu,)
     least_margin: float  # over every step from the walk's start on [m]
-    wall_contacts: int  # times that the robot came to touch an obstacle
+    wall_contacts: int  # times that it came to touch an obstacle, or what else stands
     self_contacts: int  # times that it came to touch itself
 
     @property

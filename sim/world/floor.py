@@ -15,7 +15,7 @@ from models.description import FOLDER, compile_model
 from planner import Array
 from sim.errors import message
 from sim.scenarios.scenario import Scenario
-from sim.world.parts import copy_settings
+from sim.world.parts import copy_settings, fixed_geoms
 
 BUMPS = "bumps"  # name of the height field
 CELL = 0.01  # [m] between heights, or more where the floor is large
@@ -59,9 +59,7 @@ def scene() -> mujoco.MjSpec:
 
 def floor_pairs(spec: mujoco.MjSpec, robot: Robot) -> list[mujoco.MjsPair]:
     """The file's own contacts of feet with the world, friction and all."""
-    model, feet = robot.model, {*robot.card.feet}
-    fixed = np.flatnonzero(model.body_weldid[model.geom_bodyid] == 0)
-    world = {model.geom(number).name for number in fixed}
+    world, feet = {*fixed_geoms(robot.model)}, {*robot.card.feet}
     ends = [(pair, {pair.geomname1, pair.geomname2}) for pair in spec.pairs]
     return [pair for pair, both in ends if both & feet and both & world]
 

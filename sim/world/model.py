@@ -69,7 +69,7 @@ def build(robot: Robot, scenario: Scenario) -> World:
         let_down = ensure_start(spec, robot, floor)
         if scenario.bumps:
             add_bumps(spec, floor, scenario)
-        add_walls(spec, robot.root, scenario.obstacles)
+        add_walls(spec, robot, floor.name, scenario.obstacles)
         assets = gather(spec, robot)
         model = compile_model(spec, str(robot.path))
         with one_line(f"MuJoCo cannot run the model: {robot.path}"):

@@ -1,8 +1,10 @@
 """Settings of a specification's parts: copied, and free of the defaults of a file."""
 
+from collections.abc import Iterator
 from typing import Any
 
 import mujoco
+import numpy as np
 
 ADDED = "actuator", "geom", "joint", "light", "material", "mesh"  # to a robot's file
 OWN = {"classname", "info", "name"}  # what each part has of its own
@@ -14,6 +16,12 @@ def copy_settings(part: Any, other: Any) -> None:
     settings = {name for name, member in members if getattr(member, "fset", None)}
     for name in settings - OWN:
         setattr(part, name, getattr(other, name))
+
+
+def fixed_geoms(model: mujoco.MjModel) -> Iterator[str]:
+    """Names of geoms that do not move."""
+    for geom in np.flatnonzero(model.body_weldid[model.geom_bodyid] == 0):
+        yield model.geom(geom).name
 
 
 def forget_defaults(spec: mujoco.MjSpec) -> None:

@@ -11,6 +11,7 @@ import numpy as np
 from models import Robot
 from planner import Array
 from sim.scenarios.obstacles import Box, Obstacle, Piece
+from sim.world.parts import fixed_geoms
 
 CONTACT_FIELDS = 10  # found 1, force 3, position 3, relative velocity 3
 SELF_CONTACT = "self_contact"  # sensor of any contact of the robot with itself
@@ -79,19 +80,25 @@ EVERYTHING = 2**31 - 1  # all contact types
 SUNK = 0.01  # [m] below the floor, so that no gap is visible
 
 
-def add_walls(spec: mujoco.MjSpec, root: str, obstacles: Sequence[Obstacle]) -> None:
+def add_walls(
+    spec: mujoco.MjSpec, robot: Robot, floor: str, obstacles: Sequence[Obstacle]
+) -> None:
     """Replace the obstacles of a world, with a contact sensor for every piece.
 
-    Geom and sensor are named `obstacle_I_J`; the root body carries the robot.
+    Geom and sensor are named `obstacle_I_J`. What else stands beside the floor keeps
+    its name, and its sensors begin with `obstacle_0`.
     """
     for old in [sensor for sensor in spec.sensors if re.fullmatch(WALL, sensor.name)]:
         for part in filter(None, (spec.geom(old.name), spec.mesh(old.name), old)):
             spec.delete(part)
+    standing = filter(spec.geom, {*fixed_geoms(robot.model)} - {floor})
+    for j, name in enumerate(sorted(standing), start=1):
+        _watch(spec, f"obstacle_0_{j}", (_GEOM, name), (_SUBTREE, robot.root))
     for i, obstacle in enumerate(obstacles, start=1):
         for j, piece in enumerate(obstacle.pieces, start=1):
             name = f"obstacle_{i}_{j}"
             _add_geom(spec, name, piece, obstacle.height)
-            _watch(spec, name, (_GEOM, name), (_SUBTREE, root))
+            _watch(spec, name, (_GEOM, name), (_SUBTREE, robot.root))
 
 
 def _add_geom(spec: mujoco.MjSpec, name: str, piece: Piece, height: float) -> None:

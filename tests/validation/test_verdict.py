@@ -104,6 +104,17 @@ def test_robot_that_touches_a_wall_has_collided(short_walk):
     assert verdict.text.startswith("collided: the robot touched obstacles 1 time; it ")
 
 
+def test_robot_that_touches_what_its_own_file_puts_on_the_floor_has_collided(
+    edited, scenario
+):
+    box = '<geom name="box" type="box" pos="0.25 0.15 0" size="0.02 0.02 0.03"/>'
+    robot = edited('<body name="torso"', box + '<body name="torso"')
+    path = line((0.06, 0.0, 0.0))
+    found = simulated(scenario(robot=str(robot.path), path=path)).evaluation
+    assert found.verdict.word == "collided"
+    assert "what stands on the floor in the robot's file" in found.verdict.text
+
+
 def moved(evaluation, **achieved):
     return replace(evaluation, achieved=replace(evaluation.achieved, **achieved))
 

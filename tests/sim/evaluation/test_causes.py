@@ -10,6 +10,7 @@ from sim.evaluation.causes import Evidence, likely_cause
 from sim.evaluation.verdict import judge
 from sim.feedback.stops import Followed, Stop
 from sim.scenarios.file import load_scenario
+from sim.scenarios.obstacles import decode
 from tests.walks import simulated
 
 
@@ -267,4 +268,7 @@ def test_segments_are_too_few_where_the_ideal_fields_miss_by_most_of_it(
 def test_a_robot_that_touches_itself_needs_smaller_strokes(evidence):
     assert "--segments 2" in likely_cause("collided", evidence)
     walls = with_recording(evidence, wall_contacts=1)
-    assert "min_clearance" in likely_cause("collided", walls)
+    assert "out of the file" in likely_cause("collided", walls)
+    box = decode([{"kind": "box", "center": [2.0, 2.0], "size": [0.5, 0.5]}])
+    among = with_settings(walls, obstacles=box)
+    assert "min_clearance" in likely_cause("collided", among)

@@ -298,19 +298,3 @@ def test_weight_that_is_not_as_usual_stays_and_is_told(what, edited, scenario):
     assert model.body_gravcomp.any() == (what == "gravcomp")
     assert (model.opt.gravity[0] > 0) == (what == "gravity")
     assert words in next(changes(robot, scenario()))
-
-
-def test_states_of_other_drives_start_as_the_keyframe_says(edited, scenario):
-    """Those of legs, which the keyframe counts as well, are gone."""
-    head = '<body><joint name="neck" damping="1"/><geom size="0.01" mass="0.1"/></body>'
-    muscle = '<general name="muscle" joint="neck" dyntype="filter" dynprm="1"/>'
-    servo = '<position class="swing" name="swing_2" joint="swing_2"'
-    robot = edited(
-        f"{servo}/>",
-        f'{servo} timeconst="0.1"/>{muscle}',
-        'name="start" qpos="0 0 0.06 1 0 0 0',
-        'name="start" act="0.2 0.6" qpos="0 0 0.06 1 0 0 0 0',
-        '<body name="leg_1"',
-        f'{head}<body name="leg_1"',
-    )
-    assert prepare(scenario(), robot).model.key_act == [[0.6]]

@@ -57,10 +57,11 @@ HEAD = """
 """
 
 
-def test_parts_that_are_called_as_obstacles_stay_and_are_none(
-    edited, scenario, tmp_path
-):
-    """Only those of a walk, which have contact sensors of their names, are replaced."""
+def test_parts_that_are_called_as_obstacles_stay(edited, scenario, tmp_path):
+    """Only those of a walk, which have contact sensors of their names, are replaced.
+
+    All three are watched.
+    """
     before = '<body name="torso"', STANDING, '<body name="leg_1"', HEAD
     robot = edited(*before, "</keyframe>\n</mujoco>", f"</keyframe>{SENSED}")
     setup = prepare(scenario(obstacles=decode([WALL])), robot)
@@ -69,7 +70,7 @@ def test_parts_that_are_called_as_obstacles_stay_and_are_none(
     assert setup.model.mesh("obstacle_head").id >= 0
     touches = Touches(setup.model)
     touches.read(np.ones((1, setup.model.nsensordata)))
-    assert touches.count == 1
+    assert touches.count == 3
     walked = tmp_path / "walked"
     walked.mkdir()
     (walked / "model.xml").write_text(setup.world.text)

@@ -162,3 +162,19 @@ def test_what_a_default_gives_to_the_body_s_own_joint_is_told(own, edited, scena
     robot = edited('<freejoint name="root"/>', free, DEFAULTS, default)
     (line,) = [line for line in changes(robot, scenario()) if "'torso'" in line]
     assert line.startswith("the joint of the body 'torso' has damping, friction, spr")
+
+
+def test_states_of_other_drives_start_as_the_keyframe_says(edited, scenario):
+    """Those of legs, which the keyframe counts as well, are gone."""
+    head = '<body><joint name="neck" damping="1"/><geom size="0.01" mass="0.1"/></body>'
+    muscle = '<general name="muscle" joint="neck" dyntype="filter" dynprm="1"/>'
+    servo = '<position class="swing" name="swing_2" joint="swing_2"'
+    robot = edited(
+        f"{servo}/>",
+        f'{servo} timeconst="0.1"/>{muscle}',
+        'name="start" qpos="0 0 0.06 1 0 0 0',
+        'name="start" act="0.2 0.6" qpos="0 0 0.06 1 0 0 0 0',
+        '<body name="leg_1"',
+        f'{head}<body name="leg_1"',
+    )
+    assert prepare(scenario(), robot).model.key_act == [[0.6]]
