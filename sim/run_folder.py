@@ -28,7 +28,7 @@ from sim.preparation.setup import Setup
 from sim.progress import Progress, silent, stage
 from sim.runs.arrays import Arrays
 from sim.runs.run import START, Run
-from sim.runs.seals import seals
+from sim.runs.seals import CARD, seals
 from sim.scenarios.file import dumps
 from sim.scenarios.predictions import PREDICTIONS
 from sim.scenarios.scenario import Scenario
@@ -37,7 +37,6 @@ from sim.walking.finished import Walk
 from sim.walking.walks import Walker
 from sim.world.model import origin
 
-CARD = "model.toml"  # beside model.xml, as a robot's card is
 MOTION = "motion.csv"  # what was played
 DENSE = 10  # compression of the commands; 7.6 was measured
 
@@ -90,7 +89,8 @@ class Writer:
             self.folder.write_text("feedback.csv", feedback_table(followed.stops))
             if learnt := followed.learnt:
                 self.folder.write_text("learnt.toml", str(learnt))
-        own = seals(run.folder, run.settings, run.summary.to_json(), self.copies)
+        tables = run.settings, parse_toml(run.card_text), run.summary.to_json()
+        own = seals(run.folder, *tables, copies=self.copies)
         run = replace(run, summary=replace(run.summary, seals=own))
         self.folder.write_json("summary.json", run.summary.to_json())
         return run

@@ -33,7 +33,8 @@ def sealed(folder, **numbers):
     """Make whatever files a run has been given, and numbers of its summary, its own."""
     path = folder / "summary.json"
     summary = json.loads(path.read_text()) | numbers
-    scenario = parse_toml((folder / "scenario.toml").read_text())
-    summary["seals"] = seals(folder, scenario, summary)
+    names = "scenario.toml", "model.toml"
+    tables = [parse_toml((folder / name).read_text()) for name in names]
+    summary["seals"] = seals(folder, *tables, summary)
     summary["seals"][MODEL] = seal(folder / MODEL)
     path.write_text(json.dumps(summary))

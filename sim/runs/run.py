@@ -279,7 +279,8 @@ def read_run(folder: Path, *, inspected: bool = False) -> Run:
         )
         _ = run.nominal, run.obstacles  # which say in time what is wrong
         if not inspected:
-            run.require_sealed(seals(run.folder, run.settings, summary))
+            about = description.parse_toml(card)
+            run.require_sealed(seals(run.folder, run.settings, about, summary))
             flows.require_known(run.phases, run.card)
             known = run.phase.dtype.kind in "iu"
             if not (known and np.isin(run.phase, range(len(run.phases))).all()):

@@ -1,7 +1,7 @@
 """Seals of a run: digests by which files of one walk are known to belong together.
 
-They hold no secret, so that they guard against mixtures and slips alone. `model.toml`
-has none, since servos may be mounted anew.
+They hold no secret, so that they guard against mixtures and slips alone. Parts of
+tables may change: servos may be mounted anew.
 """
 
 import hashlib
@@ -12,33 +12,33 @@ from pathlib import Path, PurePosixPath
 from planner.support import open_file
 from sim.scenarios.settings import SETTINGS
 
+Table = Mapping[str, object]
+Seals = dict[str, str | None]
+CARD = "model.toml"  # beside model.xml, as a robot's card is
 MODEL = "model.xml"  # whose seal waits until it was inspected
 FREE = {k for k, s in SETTINGS.items() if s.affects <= {"label", "film", "refusal"}}
 TOLD = ("seals", "timing")  # of summary.json; a film that is drawn takes time
-TABLES = ("scenario.toml", "summary.json")  # of which parts may change
+MOUNTED = ("description", "servo", "board")  # of a card
+TABLES = {"scenario.toml": FREE, CARD: MOUNTED, "summary.json": TOLD}
 WHOLE = ("commands.npz", "trajectory.npz", "flows.csv", "feedback.csv")
 LARGEST_SEALED = 4 * 10**9  # bytes of a file, which take seconds to digest
 
 
-def seals(
-    folder: Path,
-    scenario: Mapping[str, object],
-    summary: Mapping[str, object],
-    copies: Collection[str] = (),
-) -> dict[str, str | None]:
-    """Seals of a run's files, from what two of them hold.
+def seals(folder: Path, *tables: Table, copies: Collection[str] = ()) -> Seals:
+    """Seals of a run's files, from what scenario, card and summary hold.
 
     Copies are the robot's files. A summary that has seals names its own ones, which are
     sealed again, all but the model.
     """
-    tables = _seal_of_table(scenario, FREE), _seal_of_table(summary, TOLD)
-    told = summary.get("seals")
+    told = tables[-1].get("seals")
     sealed = told if isinstance(told, Mapping) else {}
     names = {*WHOLE, *map(str, sealed)} - {*TABLES, MODEL} | {*copies}
     inside = [n for n in sorted(names) if not {"..", "/"} & {*PurePosixPath(n).parts}]
-    return dict(zip(TABLES, tables, strict=True)) | {
-        name: seal(folder / name) for name in inside
-    }
+    named = zip(TABLES.items(), tables, strict=True)
+    found = {name: _seal_of_table(table, free) for (name, free), table in named}
+    if sealed and CARD not in sealed:  # as in earlier versions
+        del found[CARD]
+    return found | {name: seal(folder / name) for name in inside}
 
 
 def seal(path: Path) -> str | None:
@@ -49,7 +49,7 @@ def seal(path: Path) -> str | None:
         return hashlib.file_digest(file, "sha256").hexdigest()[:16]
 
 
-def _seal_of_table(table: Mapping[str, object], without: Collection[str]) -> str:
+def _seal_of_table(table: Table, without: Collection[str]) -> str:
     own = {key: value for key, value in table.items() if key not in without}
     plain = json.loads(json.dumps(own, default=str))  # as it is read
     return hashlib.sha256(json.dumps(plain, sort_keys=True).encode()).hexdigest()[:16]

@@ -67,6 +67,7 @@ def reworded(own, others):
         ("commands.npz", moved("ctrl")),
         ("trajectory.npz", moved("achieved_pose")),
         ("flows.csv", reworded("swing", "lift")),
+        ("model.toml", reworded("lift_angle = 0.3", "lift_angle = 0.2")),
         ("model.xml", reworded('timestep="0.001"', 'timestep="0.002"')),
         ("summary.json", reworded('"bounces": ', '"bounces": 1')),
     ],

@@ -229,9 +229,8 @@ def test_a_floor_that_ends_shows_the_sky_behind_it(driver, folder):
     assert difference(endless[corner], bounded[corner]) > 8
 
 
-@pytest.mark.parametrize("name", ["a #b", "a?b", "a'b%41", "a:b"])
-def test_names_that_cut_addresses_cut_no_films(driver, walked, tmp_path, name):
-    folder = tmp_path / name
+def test_names_that_cut_addresses_cut_no_films(driver, walked, tmp_path):
+    folder = tmp_path / (name := "a #b?c:d'e%41")
     shutil.copytree(walked, folder)
     film = film_folder(folder, stretch=(0.0, 0.1))
     assert count_pictures(film) > 0
