@@ -99,7 +99,7 @@ def test_robot_that_can_only_turn_is_told_so_and_not_to_widen_its_range(
     digits, stratawalk, tmp_path
 ):
     robot = str(radial.write(tmp_path, digits))
-    short = (*SHORT, "--set", "plan_time=1")  # for more and more segments
+    short = (*SHORT, "--set", "plan_time=20")  # takes 1 where alone
     code, out, err = stratawalk("plan", "line", "--robot", robot, *short)
     assert (code, out) == (4, "")
     assert "no plan, since it cannot go forward or go sideways: radial; both" in err
