@@ -135,7 +135,11 @@ def draw(robot: Robot, folder: Path, *, allow_external: bool) -> None:
     Files have no names of joints, which may be a stranger's.
     """
     words = [str(robot.path), str(folder), *["external"] * allow_external]
-    done = gl.child(gl.probe(), LIMIT, *words, module=__spec__.name)
+    try:
+        done = gl.child(gl.probe(), LIMIT, *words, module=__spec__.name)
+    finally:  # it may have been killed
+        for part in folder.glob(".joint-*.part.png"):
+            part.unlink()
     if done.returncode:
         last = (done.stderr.splitlines() or ["no picture"])[-1]
         raise RenderError("cannot draw the joints", last, "go on without pictures")

@@ -275,7 +275,7 @@ def _local(stack: ExitStack, workers: int) -> LocalCluster:
     """A scheduler in this process, and workers that listen to this machine alone."""
     folder = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
     try:
-        with deaf([signal.SIGXCPU]):  # a limit is for the sweep, not for its points
+        with deaf([signal.SIGXCPU, signal.SIGHUP]):  # which end it, no point
             cluster = LocalCluster(
                 n_workers=workers,
                 threads_per_worker=1,

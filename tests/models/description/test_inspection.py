@@ -226,11 +226,20 @@ def test_a_file_that_is_missing_is_named(robot):
             0.6,
         ),
         ('<size nuserdata="1000000"/>', 8.0),
+        (
+            '<asset><hfield name="h" nrow="4000" ncol="4000" size="1 1 1 1"/></asset>',
+            2.8,
+        ),
     ],
-    ids=["a sensor", "user data"],
+    ids=["a sensor", "user data", "heights"],
 )
-def test_a_compiled_model_leaves_room_for_its_states(robot, alone, more, gigabytes):
-    """Such a model compiles at once; its numbers have 8 bytes in each of the states."""
+def test_a_compiled_model_leaves_room_for_its_states_and_its_pictures(
+    robot, alone, more, gigabytes
+):
+    """Such a model compiles at once; its numbers have 8 bytes in each of the states.
+
+    A picture of it took 2.7 GB.
+    """
     said = f"compiled it has, with 1000 states, {gigabytes} GB, and 0.35 GB are the"
     with pytest.raises(ModelError, match=f"too large: .*; {said}"):
         load(str(robot(more)))

@@ -189,3 +189,16 @@ def test_joints_that_cannot_be_drawn_are_told_with_the_last_word_of_why(
     own = str(robot.path), str(tmp_path)
     module = "sim.export.calibration"
     assert called == [(own, module), ((*own, "external"), module)]
+
+
+def test_a_picture_that_is_interrupted_leaves_nothing(tmp_path, monkeypatch):
+    def killed(driver, limit, robot, folder, **module):
+        (tmp_path / "joint-1.png").touch()
+        (tmp_path / ".joint-2.0123456789abcdef.part.png").touch()
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(calibration.gl, "probe", lambda: "egl")
+    monkeypatch.setattr(calibration.gl, "child", killed)
+    with pytest.raises(KeyboardInterrupt):
+        calibration.draw(load(ROBOT), tmp_path, allow_external=False)
+    assert [path.name for path in tmp_path.iterdir()] == ["joint-1.png"]

@@ -1,9 +1,11 @@
 """`stratawalk sweep`: its table by real workers, its refusals, and going on."""
 
 import json
+import os
 import re
 import shutil
 import signal
+import subprocess
 import time
 
 import duckdb
@@ -16,7 +18,7 @@ from sim.cli import main
 from sim.simulation import simulate
 from sim.sweeps.file import read_sweep
 from sim.sweeps.worker_pool import numbers
-from tests.commands import Begun, told
+from tests.commands import COMMAND, OUTSIDE, told
 from tests.sweeps import stratawalk, walked_here, write_sweep
 
 pytestmark = pytest.mark.physics
@@ -271,20 +273,24 @@ def test_an_unknown_number_of_a_shape_is_refused_before_anything_is_made(tmp_pat
 
 
 def test_a_sweep_that_is_interrupted_says_how_far_it_is_and_how_to_go_on(tmp_path):
+    """As by a terminal that closes: all of its processes are told."""
     varies = "[list]\nhold = [0.1, 60.0]\ntimestep = [0.002, 0.0001]\n"  # minutes
     file = write_sweep(tmp_path, varies)
     file.write_text(file.read_text().replace("timestep = 0.002\nhold = 0.1\n", "", 1))
     ledger = tmp_path / "out" / "ledger.jsonl"
-    process = Begun(("sweep", file, "--out", tmp_path / "out", "--workers", 1), ".")
+    words = [*COMMAND, "sweep", file, "--out", tmp_path / "out", "--workers", "1"]
+    process = subprocess.Popen(
+        words, env=OUTSIDE, stderr=subprocess.PIPE, text=True, start_new_session=True
+    )
     while process.poll() is None and not (ledger.exists() and ledger.stat().st_size):
         time.sleep(0.05)
     time.sleep(1.0)  # until the line is on the disk, and its point counted
     workers = psutil.Process(process.pid).children(recursive=True)
-    process.send_signal(signal.SIGINT)
+    os.killpg(process.pid, signal.SIGHUP)
     _, said = process.communicate(timeout=30)
     assert workers
     assert not psutil.wait_procs(workers, timeout=30)[1]
-    assert process.returncode == 130
+    assert process.returncode == 129
     (line,) = told(said)
     on = f"stratawalk sweep {file} --out {tmp_path / 'out'} --workers 1 --resume"
     assert f"1 of 2 points are done and kept in {tmp_path / 'out'}; " in line
