@@ -8,17 +8,7 @@ from math import degrees
 from pathlib import Path
 from typing import TypeVar
 
-from models import JointServo, Robot, ServoKind, load
-from models.description import (
-    BOARD_CLOCK,
-    CLOCKS,
-    FOLDER,
-    KNOWN_SERVOS,
-    board_divider,
-    board_rate,
-    parse_toml,
-    servo_of,
-)
+from models import JointServo, Robot, ServoKind, description, load
 from planner.support import read_text
 from sim.commands import options as cli
 from sim.commands.declared import real, whole as counted
@@ -60,9 +50,9 @@ def calibrate(options: argparse.Namespace) -> None:
 def _kind(robot: Robot) -> ServoKind:
     card = robot.card.servo
     if card is not None and card.made:
-        return servo_of(card.made, card.data)
+        return description.servo_of(card.made, card.data)
     cli.notice(f"{robot} names no make of servo; pulses of 500 to 2500 us are assumed")
-    return KNOWN_SERVOS["pulse"]
+    return description.KNOWN_SERVOS["pulse"]
 
 
 def _prepare(
@@ -72,10 +62,10 @@ def _prepare(
     tool, rate = SKETCH if kind.signal == "pulse" else SCRIPT, kind.command_rate
     text = render(
         tool.replace(".py", ".txt"),
-        CLOCK=f"{BOARD_CLOCK:.0f}",
-        RATE=f"{board_rate(rate):.6f}",
-        DIVIDER=board_divider(rate),
-        MIDDLE=kind.at_rate(board_rate(rate)).center,
+        CLOCK=f"{description.BOARD_CLOCK:.0f}",
+        RATE=f"{description.board_rate(rate):.6f}",
+        DIVIDER=description.board_divider(rate),
+        MIDDLE=kind.at_rate(description.board_rate(rate)).center,
         JOG=JOG,
     )
     folder.write_text(tool, f"{text}\n")
@@ -98,7 +88,7 @@ def _owned(robot: Robot, folder: RunFolder, options: argparse.Namespace) -> Robo
     if robot.has_card_inside and not options.check:
         remedy = f"move it to {source.with_suffix('.toml')}; then go on: {again()}"
         raise UsageError("the card is inside the robot's file", str(source), remedy)
-    if source.parent != FOLDER:
+    if source.parent != description.FOLDER:
         return robot
     own = folder.path / source.name
     if not own.exists():
@@ -116,7 +106,7 @@ def _calibrated(
     card, number = robot.card, len(robot.card.joints)
     file = robot.path.with_suffix(".toml")
     known, pulse = dict(card.joint_servos), kind.signal == "pulse"
-    board = parse_toml(robot.card_text).get("board", {})
+    board = description.parse_toml(robot.card_text).get("board", {})
     clock = card.board_clock if "clock" in board else None
     _require_room(robot)
     free = {*BOARD_CHANNELS} - {servo.channel for servo in known.values()}
@@ -134,8 +124,8 @@ def _calibrated(
             print(printable(how))
         if pulse and not known and clock is None:
             clock = _clock(ask)
-        rate, assumed = kind.command_rate, clock or BOARD_CLOCK
-        divider = card.board_divider or pulse * board_divider(rate, assumed)
+        rate, assumed = kind.command_rate, clock or description.BOARD_CLOCK
+        divider = card.board_divider or pulse * description.board_divider(rate, assumed)
         for joint, servo in _found(robot, kind, known, divider, ask):
             text = card_with(robot.card_text, known | {joint: servo}, clock, divider)
             with whole(file) as part:
@@ -150,7 +140,8 @@ def _require_room(robot: Robot) -> None:
     """Refuse a card that would not be TOML with the servos of all joints."""
     servos = dict.fromkeys(robot.card.joints, JointServo())
     try:
-        parse_toml(card_with(robot.card_text, servos, BOARD_CLOCK, 4))
+        text = card_with(robot.card_text, servos, description.BOARD_CLOCK, 4)
+        description.parse_toml(text)
     except ValueError as error:
         card, why = robot.path.with_suffix(".toml"), str(error).partition(" (at")[0]
         raise UsageError.of("unwritten", card, why=why) from error
@@ -160,7 +151,7 @@ def _clock(ask: "_Asker") -> float | None:
     """The board's clock [Hz]; None where it is not measured."""
 
     def read(text: str) -> float | None:
-        low, high = (clock / MEGAHERTZ for clock in CLOCKS)
+        low, high = (clock / MEGAHERTZ for clock in description.CLOCKS)
         if text and not low <= real(text, "a clock", 25) <= high:
             raise ValueError(f"a clock is from {low:g} to {high:g} MHz, not {text}")
         return MEGAHERTZ * float(text) if text else None
