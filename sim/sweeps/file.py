@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -229,17 +230,13 @@ def _values(key: str, given: object, block: str) -> list[object]:
     return _stretch(np.linspace(0.0, 1.0, count), *_span(given, where), key in WHOLE)
 
 
-def _span(given: object, where: str) -> tuple[float, float, str]:
+def _span(given: Any, where: str) -> tuple[float, float, str]:
     """Both ends and the scale."""
     ends, scale = given, LINEAR
     if isinstance(given, Mapping):
         ends, scale = [given.get("from"), given.get("to")], given.get("scale", LINEAR)
-    two = isinstance(ends, list) and len(ends) == 2 and all(map(is_number, ends))
-    if (
-        not isinstance(ends, list)
-        or not two
-        or not all(abs(e) < LAST_END for e in ends)
-    ):
+    near = isinstance(ends, list) and [is_number(e) and abs(e) < LAST_END for e in ends]
+    if near != [True, True]:
         raise UsageError.of("two_ends", where, far=LAST_END)
     low, high = ends
     tight = scale == LOGARITHMIC and min(ends) <= 1 / LAST_END
