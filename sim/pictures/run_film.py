@@ -180,11 +180,7 @@ def draw(pieces: Sequence[Piece], driver: str, progress: Callable[[int], None]) 
 def _start(stack: ExitStack, piece: Piece, env: dict[str, str], pen: int) -> Worker:
     complaints = stack.enter_context(TemporaryFile())  # noqa: SIM115 (it does)
     process = subprocess.Popen(
-        piece.command,
-        env=env,
-        stdin=subprocess.DEVNULL,
-        stdout=pen,
-        stderr=complaints,
+        piece.command, env=env, stdin=subprocess.DEVNULL, stdout=pen, stderr=complaints
     )
     stack.callback(process.wait)
     stack.callback(process.kill)

@@ -135,12 +135,9 @@ def _draw_place(axes: "Axes", run: Run) -> list[Key]:
     for outline in run.obstacles:
         axes.fill(*(MM * outline.T), color=palette.OBSTACLE.hex, lw=0)
     axes.plot(*(MM * run.nominal[:, :2].T), **palette.NOMINAL.line())
-    ring: palette.Style = {
-        "mfc": "none",
-        "mew": 1.4,
-        "color": palette.NOMINAL.colour.hex,
-    }
-    axes.plot(*(MM * run.nominal[-1, :2]), "o", markersize=8, **ring)
+    ring: palette.Style = {"markersize": 8, "mfc": "none", "mew": 1.4}
+    ring["color"] = palette.NOMINAL.colour.hex
+    axes.plot(*(MM * run.nominal[-1, :2]), "o", **ring)
     axes.set_aspect("equal", adjustable="datalim")
     return [Key.of(palette.NOMINAL, ", ".join(run.path_labels))]
 

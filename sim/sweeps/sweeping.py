@@ -232,13 +232,9 @@ def merge(sources: Sequence[Path], out: Path) -> tuple[Result, Path]:
         few = ", ".join(map(str, missing[:5])) + ", ..." * (len(missing) > 5)
         part = ["--shard", shard] if (shard := missing_shard(sources)) else []
         on = command("sweep", "FILE.toml", "--out", sources[0], *part, "--resume")
-        facts = {
-            "count": len(missing),
-            "all": len(points.digests),
-            "few": few,
-            "on": on,
-        }
-        raise UsageError.of("lacking_points", ", ".join(map(str, sources)), **facts)
+        facts = {"count": len(missing), "all": len(points.digests), "few": few}
+        where = ", ".join(map(str, sources))
+        raise UsageError.of("lacking_points", where, on=on, **facts)
     ensure_folder(out)
     with sole_owner(folder.lock), opened(folder.ledger) as ledger:
         written = read_ledger(folder.ledger)
