@@ -1,11 +1,5 @@
-from .adoption.draft import (
-    Draft as Draft,
-    draft_card as draft_card,
-)
-from .adoption.source import (
-    Source as Source,
-    source_of as source_of,
-)
+from .adoption.draft import Draft as Draft, draft_card as draft_card
+from .adoption.source import Source as Source, source_of as source_of
 from .contact.kinematics import Kinematics as Kinematics
 from .contact.loads import (
     PaperStance as PaperStance,
@@ -25,10 +19,7 @@ from .errors import (
     ProblemError as ProblemError,
     UnknownRobotError as UnknownRobotError,
 )
-from .library import (
-    load as load,
-    shipped_robots as shipped_robots,
-)
+from .library import load as load, shipped_robots as shipped_robots
 from .motion.robot_equations import (
     Equations as Equations,
     Mobility as Mobility,

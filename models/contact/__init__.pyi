@@ -9,8 +9,5 @@ from .kinematics import (
     covering_core as covering_core,
     find_sole as find_sole,
 )
-from .loads import (
-    lift_torques as lift_torques,
-    static_loads as static_loads,
-)
+from .loads import lift_torques as lift_torques, static_loads as static_loads
 from .sliding import sliding_twist as sliding_twist

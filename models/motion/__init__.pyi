@@ -4,11 +4,5 @@ from .real_contacts import (
     contact_fields as contact_fields,
 )
 from .robot_equations import group_twist as group_twist
-from .strokes import (
-    Strokes as Strokes,
-    Travel as Travel,
-)
-from .twists import (
-    FailedField as FailedField,
-    MeasuredField as MeasuredField,
-)
+from .strokes import Strokes as Strokes, Travel as Travel
+from .twists import FailedField as FailedField, MeasuredField as MeasuredField

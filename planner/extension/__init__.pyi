@@ -5,10 +5,7 @@ from .direction_costs import (
     DirectionCost as DirectionCost,
     stroke_costs as stroke_costs,
 )
-from .extended import (
-    ExtendedSystem as ExtendedSystem,
-    extend as extend,
-)
+from .extended import ExtendedSystem as ExtendedSystem, extend as extend
 from .fields_on_bottom import (
     on_bottom as on_bottom,
     require_decoupled as require_decoupled,

@@ -1,7 +1,4 @@
-from .corridor import (
-    Tolerance as Tolerance,
-    deviation as deviation,
-)
+from .corridor import Tolerance as Tolerance, deviation as deviation
 from .optimise import (
     FLOW_SAMPLES as FLOW_SAMPLES,
     Criterion as Criterion,
@@ -13,10 +10,7 @@ from .solver import (
     MissingSolverError as MissingSolverError,
     casadi_function as casadi_function,
 )
-from .stages import (
-    Stage as Stage,
-    cycle as cycle,
-)
+from .stages import Stage as Stage, cycle as cycle
 from .task import (
     CHEAP as CHEAP,
     Inequality as Inequality,

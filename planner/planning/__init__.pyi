@@ -1,7 +1,4 @@
-from .algorithm import (
-    Plan as Plan,
-    plan as plan,
-)
+from .algorithm import Plan as Plan, plan as plan
 from .archive import (
     load_plan as load_plan,
     save_plan as save_plan,
@@ -26,10 +23,7 @@ from .lifted_ends import (
     set_down as set_down,
     stratum_at as stratum_at,
 )
-from .nominal import (
-    extend_along as extend_along,
-    require_segments as require_segments,
-)
+from .nominal import extend_along as extend_along, require_segments as require_segments
 from .paths import (
     Path as Path,
     ellipse as ellipse,
@@ -41,10 +35,7 @@ from .paths import (
     table_curve as table_curve,
     waypoints as waypoints,
 )
-from .rollouts import (
-    play as play,
-    rollout as rollout,
-)
+from .rollouts import play as play, rollout as rollout
 from .shooting import (
     Steered as Steered,
     Step as Step,
@@ -52,7 +43,4 @@ from .shooting import (
     plan_step as plan_step,
     steer as steer,
 )
-from .subdivision import (
-    Slack as Slack,
-    subdivide as subdivide,
-)
+from .subdivision import Slack as Slack, subdivide as subdivide

@@ -1,7 +1,4 @@
-from .closure import (
-    LieClosure as LieClosure,
-    involutive_closure as involutive_closure,
-)
+from .closure import LieClosure as LieClosure, involutive_closure as involutive_closure
 from .fields import (
     NumericField as NumericField,
     VectorField as VectorField,
@@ -15,14 +12,8 @@ from .flows import (
     gait_steps as gait_steps,
     merged as merged,
 )
-from .formulas import (
-    RESERVED as RESERVED,
-    read_formula as read_formula,
-)
+from .formulas import RESERVED as RESERVED, read_formula as read_formula
 from .grouping import regroup as regroup
 from .level_sets import LevelSet as LevelSet
-from .shape import (
-    ShapeCoordinates as ShapeCoordinates,
-    ShapeLimits as ShapeLimits,
-)
+from .shape import ShapeCoordinates as ShapeCoordinates, ShapeLimits as ShapeLimits
 from .strata import StratifiedSystem as StratifiedSystem
