@@ -19,7 +19,7 @@ import numpy as np
 from models import Kinematics, ModelError, Robot
 from models.contact import UPRIGHT
 from models.description import actuator_of, silence_the_engine
-from planner.support import shipped_tables
+from planner.support import sentences
 from sim.errors import UsageError
 from sim.scenarios.predictions import imperfect
 from sim.scenarios.scenario import Scenario
@@ -30,7 +30,7 @@ SETTLING = 0.5  # [s]
 CHUNK = 10  # steps between two looks at whether Ctrl-C was pressed
 SHORTER = (0.002, 0.001, 0.0005)  # timesteps to try where a longer one fails [s]
 MOST_STEPS = 4000  # steps, for tiny timesteps
-MESSAGES = shipped_tables("sim.physics", "standing.toml")
+say = sentences("sim.physics", "standing.toml")
 
 
 def check_standing(
@@ -85,7 +85,7 @@ def _check_standing(
         return
     rise = 1e3 * float(kinematics.rise(np.array(lift_angle)).min())
     sag = 1e3 * (before - float(data.qpos[height]))
-    sagging = [problem("sags", sag=sag, rise=rise)] if sag > rise else []
+    sagging = [say("sags", sag=sag, rise=rise)] if sag > rise else []
     lying, soft = [*standing.lying()], standing.too_soft()
     weak = standing.weak() if sagging else ()
     found = weak, standing.tipped(), lying and sagging, lying, standing.aloft(), sagging
@@ -112,8 +112,9 @@ def with_timestep(model: mujoco.MjModel, timestep: float) -> mujoco.MjModel:
     return other
 
 
-def _refuse(robot: Robot, problems: Iterable[tuple[str, str]]) -> None:
-    for what, remedy in problems:
+def _refuse(robot: Robot, problems: Iterable[str]) -> None:
+    for problem in problems:
+        what, _, remedy = problem.rpartition("; ")
         raise ModelError(f"the robot does not stand: {what}: {robot.path}; {remedy}")
 
 
@@ -126,39 +127,33 @@ def _refuse_obstacles(model: mujoco.MjModel, data: mujoco.MjData) -> None:
                 raise UsageError.of("starts_in", "obstacles", part=own, deep=deep)
 
 
-def problem(what: str, **facts: object) -> tuple[str, str]:
-    """Why a robot does not stand, and what to do about it."""
-    words = MESSAGES["problems"][what], MESSAGES["remedies"][what]
-    return words[0].format(**facts), words[1].format(**facts)
-
-
 @dataclass(frozen=True)
 class _Standing:
-    """A robot that stands or not; its problems are pairs of what and a remedy."""
+    """A robot that stands or not; its problems are sentences."""
 
     robot: Robot
     model: mujoco.MjModel
     data: mujoco.MjData
 
-    def weightless(self) -> Iterator[tuple[str, str]]:
+    def weightless(self) -> Iterator[str]:
         if self.model.opt.gravity[2] >= 0:
-            yield problem("weightless")
+            yield say("weightless")
 
-    def tipped(self) -> Iterator[tuple[str, str]]:
+    def tipped(self) -> Iterator[str]:
         tilt = float(np.arccos(np.clip(self.data.body(self.robot.root).xmat[8], -1, 1)))
         if tilt > UPRIGHT:
-            yield problem("tipped", tilt=np.rad2deg(tilt), time=self.data.time)
+            yield say("tipped", tilt=np.rad2deg(tilt), time=self.data.time)
 
-    def weak(self) -> Iterator[tuple[str, str]]:
+    def weak(self) -> Iterator[str]:
         """Servos that give all the torque that they have."""
         model, given = self.model, self.data.actuator_force
         for joint in self.robot.card.joints:
             at = actuator_of(model, joint)
             low, most = model.actuator_forcerange[at]
             if model.actuator_forcelimited[at] and not low < given[at] < most:
-                yield problem("weak", joint=joint, most=most)
+                yield say("weak", joint=joint, most=most)
 
-    def too_soft(self) -> Iterator[tuple[str, str]]:
+    def too_soft(self) -> Iterator[str]:
         """Lift servos that their load would bend by more than they are to lift."""
         robot, model = self.robot, self.model
         load = np.abs(self.data.qfrc_bias - self.data.qfrc_constraint)
@@ -168,27 +163,27 @@ class _Standing:
             if torque > stiffness * robot.card.lift_angle:
                 bent = {"joint": leg.lift, "torque": torque, "stiffness": stiffness}
                 stiff, lift = 10 * torque / UPRIGHT, robot.card.lift_angle
-                yield problem("too_soft", lift=lift, stiff=stiff, **bent)
+                yield say("too_soft", lift=lift, stiff=stiff, **bent)
 
-    def lying(self) -> Iterator[tuple[str, str]]:
+    def lying(self) -> Iterator[str]:
         """Contacts of parts that are no feet, or with things that are not the floor."""
         model, floor = self.model, floor_in(self.model, self.robot.card.feet[0])
         for own, other in self._touched():
             if own not in self._feet:
-                yield problem("lies", own=self._name(own), other=self._name(other))
+                yield say("lies", own=self._name(own), other=self._name(other))
             elif other != floor:
                 below = {"other": self._name(other), "floor": self._name(floor)}
-                yield problem("no_floor", own=model.geom(own).name, **below)
+                yield say("no_floor", own=model.geom(own).name, **below)
 
-    def aloft(self) -> Iterator[tuple[str, str]]:
+    def aloft(self) -> Iterator[str]:
         """Legs whose feet touch nothing."""
         aloft = {*self.robot.legs} - {self._feet.get(own) for own, _ in self._touched()}
         if not aloft:
             return
         for one, other in self._contacts(robots=2):
             both = {"one": self._name(one), "other": self._name(other)}
-            yield problem("pushing", leg=min(aloft), **both)
-        yield problem("aloft", leg=min(aloft))
+            yield say("pushing", leg=min(aloft), **both)
+        yield say("aloft", leg=min(aloft))
 
     @cached_property
     def _feet(self) -> dict[int, int]:

@@ -41,7 +41,7 @@ def test_groups_of_a_robot_that_stands_turned_are_at_zero():
 
 def test_of_several_legs_that_are_pushed_up_the_first_is_named(monkeypatch):
     """Legs 2 and 5 touch nothing, since two parts of the body push apart."""
-    monkeypatch.setattr(standing, "problem", lambda kind, **facts: (kind, facts))
+    monkeypatch.setattr(standing, "say", lambda kind, **facts: (kind, facts))
     feet = {number: number for number in (1, 3, 4, 6)}
     own = SimpleNamespace(
         robot=SimpleNamespace(legs=(1, 2, 3, 4, 5, 6)), _feet=feet,

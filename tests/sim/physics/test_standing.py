@@ -31,7 +31,7 @@ def test_a_lift_servo_that_is_too_soft_bears_what_the_engine_says(scenario):
     mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
     mujoco.mj_step(model, data, nstep=500)
     standing = _Standing(replace(setup.robot, card=card), model, data)
-    for leg, (what, _) in enumerate(standing.too_soft(), start=1):
+    for leg, what in enumerate(standing.too_soft(), start=1):
         torque = abs(float(data.actuator(f"lift_{leg}").force[0]))
         assert f"joint 'lift_{leg}' bears {torque:.3g} N m" in what
     assert leg == 6
@@ -54,5 +54,5 @@ def test_of_several_legs_in_the_air_the_first_is_named(scenario):
     for leg in (5, 2):
         data.joint(f"lift_{leg}").qpos += setup.robot.raise_sign[leg - 1] * 0.3
     mujoco.mj_forward(setup.model, data)
-    ((what, _),) = _Standing(setup.robot, setup.model, data).aloft()
+    (what,) = _Standing(setup.robot, setup.model, data).aloft()
     assert what.startswith("the foot of leg 2 touches nothing")
