@@ -1,5 +1,6 @@
 """What the testbed changes in a robot's file before it walks; see `changes.toml`."""
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations
 from operator import attrgetter
@@ -23,20 +24,22 @@ MESSAGES: Mapping[str, str] = shipped_tables("sim.world", "changes.toml")
 def changes(robot: Robot, scenario: Scenario) -> Iterator[str]:
     """One sentence for each change."""
     spec, asked = robot.read(), servos.servo_settings(scenario, robot.card)
-    motors = {a.target for a in spec.actuators if a.trntype in ON_JOINT}
+    springy, joints = sprung(robot.model), robot.card.joints
+    drives = Counter(a.target for a in spec.actuators if a.trntype in ON_JOINT)
+    legs = [s for s in servos.position_servos(spec) if s.target in joints]
+    none, served = mujoco.mjtDyn.mjDYN_NONE, dict.fromkeys(s.target for s in legs)
     added, feet = added_rotors(robot, asked), [spec.geom(n) for n in robot.card.feet]
     plain = _contact_of(mujoco.MjSpec().worldbody.add_geom())
     pairs, ours = floor_pairs(spec, robot), scene().option
-    springy, joints = sprung(robot.model), robot.card.joints
     bound = [robot.model.eq(n).name or f"number {n + 1}" for n in couplings(robot)]
     found: dict[str, Sequence[str]] = {  # names of parts by what is done to them
         "other_drives": other_drives(robot),
         "couplings": bound,
         "options": [n for n in SOLVING if getattr(spec.option, n) != getattr(ours, n)],
-        "motors": [j for j in servos.joints_without_servo(robot) if j in motors],
-        "more": servos.joints_with_more(robot),
-        "delayed": servos.delayed_servos(robot),
-        "offset": servos.offset_servos(robot),
+        "motors": [j for j in joints if j in drives and j not in served],
+        "more": [joint for joint in served if drives[joint] > 1],
+        "delayed": [s.target for s in legs if s.delay or s.dyntype != none],
+        "offset": [s.target for s in legs if s.biasprm[0]],
         "sprung": [j for j in joints if springy[robot.model.joint(j).id]],
         "rotors": [*added],
         "springs": [*undamped_joints(robot, asked)],

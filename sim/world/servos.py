@@ -5,7 +5,6 @@ equations that couple leg joints no longer hold. A servo behind a gear is replac
 the same servo on the joint itself, so that commands are angles.
 """
 
-from collections import Counter
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import Literal
@@ -130,34 +129,13 @@ def ensure_servos(spec: mujoco.MjSpec, robot: Robot, asked: ServoSettings) -> No
         _tune(servo, asked)
 
 
-def delayed_servos(robot: Robot) -> list[str]:
-    """Leg joints of a robot whose position servos follow commands with a delay."""
-    none, servos = mujoco.mjtDyn.mjDYN_NONE, _servos(robot.read())
-    late = [s.target for s in servos if s.delay or s.dyntype != none]
-    return [joint for joint in late if joint in robot.card.joints]
-
-
-def offset_servos(robot: Robot) -> list[str]:
-    """Leg joints of a robot whose position servos push where they are commanded to."""
-    joints = [servo.target for servo in _servos(robot.read()) if servo.biasprm[0]]
-    return [joint for joint in joints if joint in robot.card.joints]
-
-
-def joints_with_more(robot: Robot) -> list[str]:
-    """Leg joints of a robot that its file gives more beside a position servo."""
-    spec = robot.read()
-    on_joint = Counter(a.target for a in spec.actuators if a.trntype in ON_JOINT)
-    served = dict.fromkeys(servo.target for servo in _servos(spec))
-    return [j for j in served if on_joint[j] > 1 and j in robot.card.joints]
-
-
 def joints_without_servo(robot: Robot) -> list[str]:
     """Leg joints of a robot that its file gives no position servo."""
-    served = {servo.target for servo in _servos(robot.read())}
+    served = {servo.target for servo in position_servos(robot.read())}
     return [joint for joint in robot.card.joints if joint not in served]
 
 
-def _servos(spec: mujoco.MjSpec) -> list[mujoco.MjsActuator]:
+def position_servos(spec: mujoco.MjSpec) -> list[mujoco.MjsActuator]:
     """Position servos on joints; a plugin has a law of its own."""
     plain = [a for a in spec.actuators if not a.plugin.active]
     on_joints = [a for a in plain if a.trntype in ON_JOINT]
@@ -166,7 +144,7 @@ def _servos(spec: mujoco.MjSpec) -> list[mujoco.MjsActuator]:
 
 def _only_servo(spec: mujoco.MjSpec, joint: str) -> mujoco.MjsActuator | None:
     """The joint's position servo, after its other actuators have been taken off."""
-    servo = next((s for s in _servos(spec) if s.target == joint), None)
+    servo = next((s for s in position_servos(spec) if s.target == joint), None)
     kept = servo.name if servo is not None else None
     driving = [a for a in spec.actuators if a.trntype in ON_JOINT and a.target == joint]
     for actuator in driving:
