@@ -11,6 +11,7 @@ from .flows import (
     flow_map as flow_map,
     gait_steps as gait_steps,
     merged as merged,
+    merged_segments as merged_segments,
 )
 from .formulas import RESERVED as RESERVED, read_formula as read_formula
 from .grouping import regroup as regroup

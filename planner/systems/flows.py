@@ -66,13 +66,26 @@ def merged(flows: Iterable[Flow]) -> tuple[Flow, ...]:
         >>> merged([Flow("0", "f", 0.5), Flow("0", "f", 0.5)])
         (Flow(stratum='0', field='f', duration=1.0),)
     """
-    joined: list[Flow] = []
-    for flow in flows:
-        if joined and joined[-1][:2] == flow[:2]:
-            flow = flow._replace(duration=joined.pop().duration + flow.duration)
-        if flow.duration:
-            joined.append(flow)
-    return tuple(joined)
+    return tuple(flow for _, flow in merged_segments([flows]))
+
+
+def merged_segments(
+    segments: Iterable[Iterable[Flow]], first: int = 0
+) -> list[tuple[int, Flow]]:
+    """Merged flows with their segments, which are numbered from the first one on.
+
+    A flow that continues in the next segment belongs to the segment it starts in.
+    """
+    done: list[tuple[int, Flow]] = []
+    for number, flows in enumerate(segments, start=first):
+        for flow in flows:
+            begun = number
+            if done and done[-1][1][:2] == flow[:2]:
+                begun, before = done.pop()
+                flow = flow._replace(duration=before.duration + flow.duration)
+            if flow.duration:
+                done.append((begun, flow))
+    return done
 
 
 def visits(flows: Iterable[Flow]) -> list[list[Flow]]:

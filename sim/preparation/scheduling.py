@@ -8,7 +8,7 @@ from math import hypot
 import numpy as np
 
 from planner import Flow
-from planner.systems import gait_steps
+from planner.systems import gait_steps, merged_segments
 from sim.errors import UsageError, message
 from sim.motion.schedule import LegState, Schedule, Scheduler
 from sim.preparation.setup import Setup
@@ -29,7 +29,7 @@ def schedule_flows(
 
     The strata of a gait are entered in turn, also those on which nothing flows.
     """
-    swings, flows = setup.equations.swings, joined(segments, scheduler.segment)
+    swings, flows = setup.equations.swings, merged_segments(segments, scheduler.segment)
     moves = [(number, flow, swings[flow.field]) for number, flow in flows]
     if setup.scenario.overlap_recovery:
         moves = overlapped(moves, setup.robot.groups)
@@ -89,25 +89,6 @@ def _shared(stay: list[Move], groups: Sequence[str]) -> list[Move]:
         along = ways.sum(axis=0) * (length / sum(lengths) / flow.duration)
         shared.append((number, flow, tuple((np.array(direction) + along).tolist())))
     return shared
-
-
-def joined(
-    segments: Iterable[Iterable[Flow]], first: int = 0
-) -> list[tuple[int, Flow]]:
-    """Flows with their segments; consecutive flows of one field become one.
-
-    A flow that continues in the next segment belongs to the segment it starts in.
-    """
-    done: list[tuple[int, Flow]] = []
-    for number, flows in enumerate(segments, start=first):
-        for flow in flows:
-            begun = number
-            if done and done[-1][1][:2] == flow[:2]:
-                begun, before = done.pop()
-                flow = flow._replace(duration=before.duration + flow.duration)
-            if flow.duration:
-                done.append((begun, flow))
-    return done
 
 
 def check_effort(setup: Setup, steps: int) -> None:

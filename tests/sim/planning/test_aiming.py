@@ -8,7 +8,7 @@ import pytest
 from models.motion.real_contacts import contact_fields
 from planner.errors import ConvergenceError, PlannerError
 from planner.planning.rollouts import rollout
-from planner.systems.flows import Flow
+from planner.systems.flows import Flow, merged_segments
 from sim.experiments.identification import twist_model
 from sim.motion.poses import compose, relative
 from sim.planning import open_loop
@@ -19,7 +19,6 @@ from sim.planning.open_loop import (
     steer_along,
     steer_towards,
 )
-from sim.preparation.scheduling import joined
 from sim.preparation.setup import prepare
 from sim.scenarios.file import load_scenario
 
@@ -91,7 +90,7 @@ def test_shortest_words_meet_every_segments_end_on_less_travel(turning, steer_on
 
 
 def swing_travel(planned):
-    loaded = joined(planned.segments())
+    loaded = merged_segments(planned.segments())
     return sum(
         abs(flow.duration) for _, flow in loaded if flow.field in ("g1_1", "g2_2")
     )
@@ -146,7 +145,7 @@ def test_steps_between_poses_compose():
 def test_flows_of_one_field_join_across_segments_and_cancel():
     first = [Flow("1", "g1_1", 0.1), Flow("2", "g2_2", 0.2)]
     second = [Flow("2", "g2_2", -0.2), Flow("1", "g1_1", 0.3)]
-    assert joined([first, second]) == [(0, Flow("1", "g1_1", 0.4))]
+    assert merged_segments([first, second]) == [(0, Flow("1", "g1_1", 0.4))]
 
 
 def same_flows(one, other):
