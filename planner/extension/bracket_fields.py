@@ -12,6 +12,7 @@ from typing import Any
 from planner.errors import message
 from planner.lie.free_lie import structure_constants
 from planner.lie.hall import Bracket, Element, free_dimension, hall_basis
+from planner.systems.elements import relabel
 from planner.systems.fields import Symbols, VectorField, lie_bracket
 from planner.systems.rounding import vanishing
 from planner.systems.strata import StratifiedSystem
@@ -84,10 +85,7 @@ def hall_fields(
 
 def renumbered(element: Element, generators: Sequence[Any]) -> Any:
     """The same element over other generators: their numbers, or the names of fields."""
-    if isinstance(element, Bracket):
-        sides = element.left, element.right
-        return Bracket(*(renumbered(side, generators) for side in sides))
-    return generators[element - 1]
+    return relabel(element, lambda number: generators[number - 1])
 
 
 def fields_of(

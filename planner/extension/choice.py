@@ -16,11 +16,12 @@ from numpy.typing import ArrayLike
 from planner.errors import PlannerError, RankError, SingularConfigurationError, message
 from planner.extension.bracket_fields import hall_fields
 from planner.extension.fields_on_bottom import on_bottom
+from planner.lie.input_words import letters_of
 from planner.numerics.arrays import Array
 from planner.numerics.subspaces import column_space, in_words
 from planner.support.stopping import tick
 from planner.systems.closure import involutive_closure
-from planner.systems.elements import leaves, parse_names, word_of
+from planner.systems.elements import leaves, parse_names
 from planner.systems.fields import VectorField
 from planner.systems.rounding import WeighedValues
 from planner.systems.strata import StratifiedSystem
@@ -139,7 +140,7 @@ def _candidates(
         if not (sound := np.isfinite(column).all(axis=1)).all():
             raise SingularConfigurationError(name, x[~sound][0])
         tree = parse_names(name)
-        word = [system.stratum_of[field_name] for field_name in word_of(tree)]
+        word = [system.stratum_of[field_name] for field_name, _ in letters_of(tree)]
         walk = pairwise([system.bottom, *word, system.bottom])
         switches = sum(system.switches(a, b) for a, b in walk)
         candidates.append(_Candidate(name, len(leaves(tree)), switches, column, column))

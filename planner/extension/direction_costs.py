@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from planner.extension.extended import extend
+from planner.lie.input_words import letters_of
 from planner.numerics.arrays import Array
-from planner.systems.elements import leaves, parse, word_of
+from planner.systems.elements import leaves, parse
 from planner.systems.strata import StratifiedSystem
 
 AFFORDABLE = 10_000.0  # strokes a unit; more make a direction one in theory only
@@ -50,7 +51,7 @@ def stroke_costs(
     matrix = extended.columns(np.asarray(at, dtype=float))  # (n, p)
     trees = [parse(name, system) for name in elements]
     areas = [np.prod([strokes.get(leaf, 1.0) for leaf in leaves(t)]) for t in trees]
-    scaled = matrix / np.divide([len(word_of(tree)) for tree in trees], areas)
+    scaled = matrix / np.divide([len(letters_of(tree)) for tree in trees], areas)
     degrees = np.array([len(leaves(tree)) for tree in trees])
     joints = {index for index, _ in extended.shape.recoveries.values()}
     return tuple(

@@ -16,7 +16,7 @@ from planner.extension.fields_on_bottom import on_bottom
 from planner.extension.steering import Steering, steering
 from planner.numerics.arrays import Array
 from planner.numerics.subspaces import column_space
-from planner.systems.elements import column, leaves, name_of, parse
+from planner.systems.elements import column, leaves, parse
 from planner.systems.fields import CompiledFields, compile_fields, sample_configurations
 from planner.systems.grouping import Grouper
 from planner.systems.rounding import vanishing
@@ -196,7 +196,7 @@ def _extended(
 ) -> ExtendedSystem:
     trees = [parse(text, system) for text in elements]
     system, trees = on_bottom(system, trees)
-    names = tuple(map(name_of, trees))
+    names = tuple(map(str, trees))
     if not names:
         raise ValueError(message("no_elements"))
     columns = [column(tree, system) for tree in trees]

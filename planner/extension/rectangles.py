@@ -15,7 +15,7 @@ unit of its flows, negative if it runs backward.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property
 from itertools import product
 from math import prod
 
@@ -23,9 +23,10 @@ import numpy as np
 
 from planner.extension.bracket_fields import HallFields, fields_of, renumbered
 from planner.lie.free_lie import lie_algebra
-from planner.lie.hall import Bracket, Element, degree, hall_basis
+from planner.lie.hall import Element, degree, hall_basis
 from planner.lie.input_words import logarithm_of_word
 from planner.numerics.arrays import ROUNDING, Array
+from planner.systems.elements import leaves
 from planner.systems.fields import CompiledFields, compile_fields, sample_configurations
 from planner.systems.shape import ShapeCoordinates
 from planner.systems.strata import StratifiedSystem
@@ -129,16 +130,8 @@ def weights(elements: Sequence[Element], scales: Array) -> Array:
 
     The scales have shape (..., m), and there are s elements.
     """
-    columns = [prod(scales[..., i - 1] for i in _letters(e)) for e in elements]
+    columns = [prod(scales[..., i - 1] for i in leaves(e)) for e in elements]
     return np.stack(columns, axis=-1)
-
-
-@cache
-def _letters(element: Element) -> tuple[int, ...]:
-    """Generators of an element, as often as they occur."""
-    if isinstance(element, Bracket):
-        return (*_letters(element.left), *_letters(element.right))
-    return (element,)
 
 
 @dataclass(frozen=True, eq=False)

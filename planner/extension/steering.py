@@ -18,6 +18,7 @@ from planner.extension.bracket_fields import HallFields, hall_fields
 from planner.extension.rectangles import Rectangles, rectangles, sign_choices, weights
 from planner.lie.coordinates import integrate
 from planner.lie.free_lie import lie_algebra
+from planner.lie.hall import Bracket
 from planner.lie.input_words import (
     Order,
     Spelling,
@@ -28,7 +29,7 @@ from planner.lie.input_words import (
     spellings,
 )
 from planner.numerics.arrays import Array
-from planner.systems.elements import Tree, leaves, name_of
+from planner.systems.elements import Tree, leaves
 from planner.systems.flows import Word
 from planner.systems.strata import StratifiedSystem
 
@@ -227,9 +228,9 @@ def steering(
 
 
 def _index(tree: Tree, basis: Sequence[str]) -> int:
-    name = name_of(tree)
+    name = str(tree)
     if name in basis:
         return basis.index(name)
-    turned = name_of((tree[1], tree[0])) if isinstance(tree, tuple) else name
+    turned = f"[{tree.right},{tree.left}]" if isinstance(tree, Bracket) else name
     way_out = f"write {turned}" if turned in basis else "choose from the Hall basis"
     raise ValueError(message("not_in_basis", name=name, way_out=way_out))

@@ -10,7 +10,7 @@ that reach the same Hall coordinates are mirrored, or shorter.
 
 from collections.abc import Collection, Iterable, Sequence
 from functools import cache
-from typing import Literal, TypeVar, get_args
+from typing import Any, Literal, TypeVar, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,7 +23,7 @@ from planner.numerics.arrays import Array
 
 Order = Literal["backward", "forward"]
 Spelling = tuple[tuple[int, ...], list[float]]  # generators, and their durations
-Letters = tuple[tuple[int, int], ...]  # generators and the signs of their durations
+Letters = tuple[tuple[Any, int], ...]  # generators and the signs of their durations
 T = TypeVar("T", int, Array)
 
 ZERO_DURATION = 1e-12  # in degree k such an error would move by its k-th root
@@ -138,11 +138,11 @@ def logarithm_of_word(algebra: LieAlgebra, element: Element) -> Array:
 
 
 @cache
-def _letters(element: Element) -> Letters:
+def letters_of(element: Element) -> Letters:
     """The word of an element: A C A^-1 C^-1 for [A, C], eq. (20)."""
     if not isinstance(element, Bracket):
         return ((element, 1),)
-    left, right = _letters(element.left), _letters(element.right)
+    left, right = letters_of(element.left), letters_of(element.right)
     return (*left, *right, *_inverse(left), *_inverse(right))
 
 
@@ -190,7 +190,7 @@ def _pattern(
     letters: list[tuple[int, Array]] = []
     units = np.eye(len(signs), dtype=int)
     for j in _places(algebra, turned):
-        word = [(i, sense * units[j]) for i, sense in _letters(algebra.basis[j])]
+        word = [(i, sense * units[j]) for i, sense in letters_of(algebra.basis[j])]
         if signs[j]:
             letters = (_inverse(word) if signs[j] < 0 else word) + letters
     generators: list[int] = []

@@ -16,7 +16,6 @@ from numpy.typing import ArrayLike
 from planner.errors import SingularConfigurationError
 from planner.numerics.arrays import ROUNDING, Array
 from planner.numerics.subspaces import rank
-from planner.systems.elements import name_of
 from planner.systems.fields import NumericField, Symbols, VectorField, lie_bracket
 from planner.systems.rounding import WeighedValues
 
@@ -68,7 +67,7 @@ def involutive_closure(
         if algebra.rank == enough:
             break
         newest = span.extend(
-            (name_of((a, b)), lie_bracket(f, g, state))
+            (f"[{a},{b}]", lie_bracket(f, g, state))
             for a, f in roots
             for b, g in newest
             if a != b

@@ -1,18 +1,21 @@
 """Elements of an extended system by name: fields and brackets of fields.
 
 An element is written as `g1_1` or `[g1_1,g2_2]`; `1` and `[1,2]` count all fields of
-the system in order of declaration. In code an element is a tree of names.
+the system in order of declaration. In code an element is a tree of names, and its text
+is its name.
 """
 
 import re
 from collections.abc import Callable, Iterator
+from functools import cache
 from typing import Any
 
 from planner.errors import message, require_known
+from planner.lie.hall import Bracket
 from planner.systems.fields import VectorField, lie_bracket
 from planner.systems.strata import StratifiedSystem
 
-Tree = Any  # the name of a field, or a pair of trees
+Tree = Any  # the name or number of a field, or a `Bracket` of trees
 
 MOST_BRACKETS = 20  # in one element; two generators have 200 000 elements up to there
 TOKEN = re.compile(r"\s*([\[\],]|\w+)")
@@ -58,37 +61,27 @@ def _read(tokens: Iterator[str], text: str) -> Tree:
         branches.append(_read(tokens, text))
         if next(tokens, "") != mark:
             raise ValueError(message("unclosed", text=text, mark=mark))
-    return tuple(branches)
+    return Bracket(*branches)
 
 
-def name_of(tree: Tree) -> str:
-    """The name of an element, without spaces."""
-    return tree if isinstance(tree, str) else f"[{name_of(tree[0])},{name_of(tree[1])}]"
-
-
-def relabel(tree: Tree, label: Callable[[str], str]) -> Tree:
+def relabel(tree: Tree, label: Callable[[Any], Any]) -> Tree:
     """The same tree with the leaves renamed."""
-    if isinstance(tree, str):
-        return label(tree)
-    return (relabel(tree[0], label), relabel(tree[1], label))
+    if isinstance(tree, Bracket):
+        return Bracket(relabel(tree.left, label), relabel(tree.right, label))
+    return label(tree)
 
 
-def leaves(tree: Tree) -> tuple[str, ...]:
+@cache
+def leaves(tree: Tree) -> tuple[Any, ...]:
     """Leaves from left to right; their number is the degree of the element."""
-    return (tree,) if isinstance(tree, str) else leaves(tree[0]) + leaves(tree[1])
-
-
-def word_of(tree: Tree) -> tuple[str, ...]:
-    """Fields of the flows that realise an element, eq. (20), without their signs."""
-    if isinstance(tree, str):
-        return (tree,)
-    left, right = word_of(tree[0]), word_of(tree[1])
-    return (*left, *right, *left[::-1], *right[::-1])
+    if isinstance(tree, Bracket):
+        return (*leaves(tree.left), *leaves(tree.right))
+    return (tree,)
 
 
 def column(tree: Tree, system: StratifiedSystem) -> VectorField:
     """The vector field of an element."""
-    if isinstance(tree, str):
-        return system.fields[tree]
-    left, right = (column(branch, system) for branch in tree)
-    return lie_bracket(left, right, system.state)
+    if isinstance(tree, Bracket):
+        left, right = column(tree.left, system), column(tree.right, system)
+        return lie_bracket(left, right, system.state)
+    return system.fields[tree]
