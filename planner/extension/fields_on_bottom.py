@@ -163,7 +163,7 @@ def on_bottom(
     """Make elements act on the bottom stratum as in eq. (14).
 
     The system has a field `NAME_tangent` for every field NAME that is corrected, and
-    the elements, trees of field names, are over these.
+    the elements, names of fields or a `Bracket` of elements, are over these.
 
     Raises:
         DecouplingError: A lift field does not commute with a field that is used while
