@@ -96,9 +96,14 @@ def csv_text(rows: Iterable[Iterable[object]]) -> str:
     return text.getvalue()
 
 
+def csv_lines(text: str, parted: str = ",") -> Iterator[list[str]]:
+    """Lines of a table's text; a csv.Error where cells go on behind quotes."""
+    return csv.reader(io.StringIO(text, newline=""), delimiter=parted, strict=True)
+
+
 def csv_rows(text: str, name: str) -> list[dict[str, str]]:
     """Rows of such a table by names; a ValueError where entries are missing."""
-    lines = [line for line in csv.reader(text.splitlines()) if line]
+    lines = [line for line in csv_lines(text) if line]
     if len({len(line) for line in lines}) != 1:
         raise ValueError(f"{name} is incomplete")
     return [dict(zip(lines[0], line, strict=True)) for line in lines[1:]]
@@ -165,8 +170,12 @@ def new_file(path: Path, kind: str, *endings: str) -> Path:
 
 
 def require_free(path: Path | str, option: str = "") -> None:
-    """Refuse a name that a file, or a link to nowhere, has already."""
-    if os.path.lexists(path):
+    """Refuse a name that a file, or a dead link, has already, or none can have."""
+    with (
+        telling("cannot be written", path, "give another name"),
+        suppress(FileNotFoundError, NotADirectoryError),
+    ):
+        os.lstat(path)
         raise UsageError.of("in_use", path, option=f"{option} " * bool(option))
 
 

@@ -29,6 +29,10 @@ RATE = 50.0  # commands a second of a walk without a rate, as most hobby servos 
 IN_COMMANDS = "zero_offset", "command_delay"  # imperfections of servos that are
 ASSUMED = "mounting assumed: channels in the order of joints, senses +, centres alike"
 
+ON_PULSES = (
+    "its servos take pulses; ticks are 4096 a turn where the card gives no counts"
+)
+
 
 def export(options: argparse.Namespace) -> ExitCode:
     """Export the walk and print where the export leads."""
@@ -97,8 +101,8 @@ def _require_sense(options: argparse.Namespace, out: Path) -> None:
     if options.microseconds and options.format != "header":
         raise UsageError.of("pulses", "the command line", format=options.format)
     require_free(out, "--out")
-    if not options.out or not out.parent.is_dir():
-        raise UsageError.of("no_folder", options.out or "--out")
+    if not out.parent.is_dir():
+        raise UsageError.of("no_folder", out)
     require_writable(out.parent)
 
 
@@ -142,6 +146,9 @@ def _written(
     if kind == "header" and table.assumed:
         measures = command("calibrate", source.run.scenario.robot)
         cli.notice(f"{ASSUMED}; {measures} measures it")
+    made = source.servo.kind
+    if kind == "dynamixel" and made and made.signal == "pulse" and given is None:
+        cli.notice(ON_PULSES)
     finest = max(channel.counts_per_radian for channel in table.channels)
     coarse = 1 / finest if kind in ("header", "dynamixel") else 0.0
     return commands, read(out, kind, table), coarse

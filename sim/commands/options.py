@@ -118,9 +118,7 @@ def reader_of(
 
 
 def folder_of(options: argparse.Namespace) -> Path | None:
-    """The folder `--out` names, which is not empty; None if it is to be numbered."""
-    if options.out == "":
-        raise UsageError("an empty name", "--out", "name a folder, or leave --out out")
+    """The folder `--out` names; None if it is to be numbered."""
     return None if options.out is None else Path(options.out)
 
 

@@ -21,6 +21,7 @@ from sim.scenarios.settings import SETTINGS
 OPTIONS = ("-h", "--help", "--version")  # that need no command
 ONE_VALUE = (argparse._StoreAction, argparse.BooleanOptionalAction)
 PLACE = "stratawalk"
+PLACES = {"FILE": "a file", "DIR": "a folder", "FOLDER": "a folder"}
 SWEPT = "for a sweep, list values in a file under [grid], as docs/sweeps.md shows"
 
 
@@ -65,6 +66,11 @@ class Parser(argparse.ArgumentParser):
             if twice and type(action) in ONE_VALUE:
                 raise UsageError.of("twice", self.prog, key=action.option_strings[-1])
         given, rest = super().parse_known_args(args, namespace)
+        for action in self._actions:
+            kinds = (k for k in PLACES if k in str(action.metavar))
+            if getattr(given, action.dest, None) == "" and (kind := next(kinds, "")):
+                option, remedy = "".join(action.option_strings), f"name {PLACES[kind]}"
+                raise UsageError("an empty name", option or kind, remedy)
         for begun in getattr(given, "set", ()):
             if begun.startswith("goal="):
                 remedy = f"write --set {goal_setting([begun[5:], *rest])}"

@@ -110,8 +110,6 @@ def _is_for_systems(options: argparse.Namespace) -> bool:
     _refuse(options, GUESSES["systems"], "is for robots")
     if options.out is not None:
         new_file(Path(options.out), "picture", ".png", ".svg", ".pdf")
-    if options.save == "":
-        raise UsageError("an empty name", "--save", "name a file, or leave it out")
     if options.save:
         require_free(options.save, "--save")
     return True

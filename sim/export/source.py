@@ -4,8 +4,6 @@ Each reader takes what its writer wrote, and any other text is a ValueError. A j
 that leaves its servo's range is a UsageError.
 """
 
-import csv
-import io
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -26,7 +24,7 @@ from sim.evaluation.summary import Played
 from sim.export.header import read_header, write_header
 from sim.export.servo_commands import ServoCommands, taken
 from sim.export.servo_table import ServoTable, servo_table
-from sim.folder import csv_text, whole
+from sim.folder import csv_lines, csv_text, whole
 from sim.motion.poses import pose_of, seen_from
 from sim.physics.engine import Engine
 from sim.physics.measure import Sensors
@@ -229,7 +227,7 @@ def write_table(commands: ServoCommands, table: ServoTable | None = None) -> str
 
 def read_table(text: str, table: ServoTable | None = None) -> ServoCommands:
     """The commands of such a table, for the same servos."""
-    (first, *joints), *rows = csv.reader(io.StringIO(text, newline=""))
+    (first, *joints), *rows = csv_lines(text)
     if first != "time" or len(rows) < 2:
         raise ValueError("needs a column time, and two commands at least")
     values = np.array(rows, dtype=float)

@@ -6,7 +6,6 @@ quarters of every log are fitted, and the last quarter is predicted.
 """
 
 import json
-import os
 import re
 import reprlib
 from collections.abc import Mapping, Sequence
@@ -198,7 +197,8 @@ def check_free(card: Path) -> None:
     """Refuse a name that is no card's, or that is taken."""
     if card.suffix != ".toml" or not card.parent.is_dir():
         raise UsageError.of("no_place", card)
-    require_free(card, "--out")
+    for path in (card, card.with_suffix(".xml")):
+        require_free(path, "--out")
     require_writable(card.parent)
 
 
@@ -210,7 +210,6 @@ def write_card(robot: Robot, card: Path, text: str) -> str:
     alone = robot.is_shipped or robot.opened.files in ((), (robot.path,))
     if not alone or robot.has_card_inside:
         return f"{card}; put it in the place of the robot's own card"
-    if not os.path.lexists(model):
-        with whole(model) as part:
-            part.write_text(robot.read().to_xml(), "utf-8")
+    with whole(model, new=True) as part:
+        part.write_text(robot.read().to_xml(), "utf-8")
     return f"{card}; use it as --robot {model}"

@@ -18,7 +18,7 @@ import numpy as np
 from planner import Array
 from planner.support import did_you_mean, read_file
 from sim.errors import UsageError, message
-from sim.folder import csv_text
+from sim.folder import csv_lines, csv_text
 
 LARGEST_LOG = 10**8  # bytes
 MOST_NUMBERS = 5 * 10**6  # which take some seconds to read
@@ -161,7 +161,7 @@ def _table(path: Path, joints: Sequence[str] = ()) -> dict[str, Array]:
     if "\0" in text:
         raise ValueError("it has zero bytes, as UTF-16 does; save it in UTF-8, without")
     parted = max(",;\t", key=text.lstrip("\r\n").partition("\n")[0].count)
-    lines = (row for row in csv.reader(text.splitlines(), delimiter=parted) if row)
+    lines = (row for row in csv_lines(text, parted) if row)
     names = [n if n in joints else n.strip() for n in next(lines, [])]
     if TIME not in names:
         raise ValueError("no column 'time'; begin with a line of names: time, JOINT")

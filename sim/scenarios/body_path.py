@@ -193,7 +193,7 @@ def _pose(key: str, value: object) -> Pose:
 
 def _poses_in(text: str) -> list[tuple[float, ...]]:
     """Poses from the text of a table whose first line names the columns."""
-    rows = csv.reader(io.StringIO(text, newline=""))
+    rows = csv.reader(io.StringIO(text, newline=""), strict=True)
     names = [name.strip() for name in next(filter(None, rows), ())]
     if missing := [name for name in COLUMNS if name not in names]:
         raise ValueError(f"no column {missing[0]!r}; begin with the line x,y,yaw")

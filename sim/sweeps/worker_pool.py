@@ -36,6 +36,7 @@ try:
     from distributed.comm import connect
     from distributed.deploy.spec import close_clusters
     from distributed.scheduler import NoValidWorkerError, NoWorkerError
+    from distributed.security import Security
     from distributed.utils import get_mp_context
 except ValueError as refusal:  # of a file of settings in Dask's own folders
     what, remedy = str(refusal), "correct the file, or unset DASK_CONFIG"
@@ -46,8 +47,9 @@ ANSWER = 15.0  # [s] for the scheduler to come forward
 TRIES = 2  # of a point whose worker dies
 # A search for a plan keeps the rest of its process waiting, on a busy machine for
 # minutes; that is no death. Processes that do die close their connections.
-QUIET = {
+QUIET: Mapping[str, object] = {
     "distributed.logging.distributed": "critical",
+    "distributed.scheduler.http.routes": [],  # no pages
     "distributed.scheduler.worker-ttl": None,
     "distributed.comm.timeouts.tcp": "600s",
     "distributed.deploy.lost-worker-timeout": "1h",  # its successor may start slowly
@@ -272,7 +274,10 @@ async def _greet(scheduler: str) -> None:
 
 
 def _local(stack: ExitStack, workers: int) -> LocalCluster:
-    """A scheduler in this process, and workers that listen to this machine alone."""
+    """A scheduler in this process, and workers that know each other by certificates.
+
+    Whoever else is on this machine reaches their ports, and would be obeyed.
+    """
     folder = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
     try:
         with deaf([signal.SIGXCPU, signal.SIGHUP]):  # which end it, no point
@@ -281,6 +286,7 @@ def _local(stack: ExitStack, workers: int) -> LocalCluster:
                 threads_per_worker=1,
                 host="127.0.0.1",
                 dashboard_address=None,
+                security=Security.temporary(),
                 memory_limit=0,
                 local_directory=stack.enter_context(folder),
                 silence_logs=logging.CRITICAL,

@@ -72,7 +72,7 @@ def test_a_name_that_no_file_may_have_is_refused_in_one_line(folder, tmp_path, c
     assert main((*words, str(tmp_path / ("x" * 300 + ".csv")))) == 6
     (line,) = capsys.readouterr().err.splitlines()
     assert "File name too long" in line
-    assert "nothing is written" in line
+    assert "give another name" in line
 
 
 def test_what_is_made_in_a_folder_needs_its_name(tmp_path, monkeypatch, capsys):

@@ -51,6 +51,8 @@ QUICK = (*SHORT, "--set", 'predictions=["quasi_static"]')
         (["identify", "hexapod", "--set", "robot=y"], 2, "robot is given twice"),
         (["run", "line", *2 * ["--set", "friction=1"]], 2, "friction is given twice"),
         (["run", "line", "--out", ""], 2, "an empty name: --out; name a folder"),
+        (["play", "a", "b", "--out", ""], 2, "an empty name: --out; name a folder"),
+        (["calibrate", "hexapod", "--answers", ""], 2, "an empty name: --answers; n"),
         (["run", "line", "--robot", "centipede"], 2, "unknown robot: 'centipede'"),
         (["run", "line", "--robot", "gone.xml"], 2, "no such robot file"),
         (["run", "line", "--set", "geometry={a=1}"], 2, "geometry.a is unknown: geom"),

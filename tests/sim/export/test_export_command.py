@@ -94,7 +94,8 @@ def test_a_trajectory_is_judged_as_held_and_as_interpolated(
 def test_what_whole_counts_cost_is_told(classroom, tmp_path, capsys):
     words = ("--format", "dynamixel", "--out", str(tmp_path / "ticks.csv"))
     assert main(["export", str(classroom[0]), *words]) == 0
-    said = capsys.readouterr().out
+    said, noticed = capsys.readouterr()
+    assert "its servos take pulses; ticks are 4096 a turn" in noticed
     assert "since angles are rounded to counts of 1.53 mrad: plan on whole" in said
     assert "--set resolution=0.00153398" in said  # a turn over 4096
 

@@ -220,6 +220,10 @@ def test_logs_in_counts_are_fitted_as_those_in_radians(tmp_path, capsys):
             ["hexapod-classroom", "log.csv", "--out", "log.toml"],
             "already exists: log.toml; give --out another name",
         ),
+        (
+            ["hexapod-classroom", "log.csv", "--out", "body.toml"],
+            "already exists: body.xml; give --out another name",
+        ),
     ],
 )
 def test_what_cannot_be_fitted_is_refused(
@@ -228,6 +232,7 @@ def test_what_cannot_be_fitted_is_refused(
     monkeypatch.chdir(tmp_path)
     classroom_log(tmp_path / "log.csv", measured=False)
     (tmp_path / "log.toml").touch()
+    (tmp_path / "body.xml").touch()
     assert main(["fit", *words]) == 2
     assert message in capsys.readouterr().err
 

@@ -96,6 +96,8 @@ def test_rows_a_microsecond_apart_are_read_however_they_are_rounded(read):
         ),
         ("time,hip_1,contact.1\n0,0,1\n1,1,7\n", "'contact.1' has .* other than 0"),
         ("0,0,0\n1,0,0\n", "no column 'time'"),
+        ('time,hip_1\n0,0\n1,"0.0"5\n', "',' expected after '\"'"),
+        ('time,hip_1\n0,0\n1,"0.0\n5"\n', "in row 2, column 'hip_1'"),
         ("\x80\x04\x95\xee", "no column 'time'"),
         (f"time{',a' * 10**6}\n0\n", "column 'a' comes twice"),
         (f"time{',' * 10**6}\n" + f"0{',0' * 10**6}\n" * 10, "more than 5000000 numb"),

@@ -1,5 +1,6 @@
 """Workers that die, workers of a real Dask cluster, and workers with other software."""
 
+import asyncio
 import os
 import random
 import signal
@@ -13,7 +14,7 @@ from threading import Thread
 import pandas
 import psutil
 import pytest
-from distributed import Future
+from distributed import Future, rpc
 
 from sim.cli import main
 from sim.sweeps.file import read_sweep
@@ -257,6 +258,19 @@ def test_a_living_worker_is_not_taken_for_dead(monkeypatch, tmp_path, client):
     found = [outcome.status for outcome in pool.carry_out(points.tasks(()))]
     assert found == ["ok"] * 3
     assert not pool.deaths
+
+
+def test_workers_of_a_sweep_obey_nobody_else(client):
+    """Any user of the machine reaches their ports, and could have them run code."""
+
+    async def ask(address):
+        async with rpc(address.replace("tls:", "tcp:"), timeout=2.0) as stranger:
+            await stranger.identity()
+
+    (nanny,) = client.cluster.workers.values()
+    for address in (client.scheduler.address, nanny.address, nanny.worker_address):
+        with pytest.raises(OSError, match="before comm was established"):
+            asyncio.run(ask(address))
 
 
 def test_what_a_worker_takes_with_it_is_done_again(monkeypatch, client):
