@@ -24,6 +24,8 @@ def main() -> int:
     _prepare_streams()
     gc.set_threshold(50_000)  # objects between searches for garbage: most last
     os.environ["PYTHONSAFEPATH"] = "1"  # no process takes modules of a working folder
+    for name in [name for name in os.environ if name.startswith("SYMPY_")]:
+        del os.environ[name]  # SymPy evaluates them
     # our matrices are small: threads would spend their time waiting for one another
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     if not sys.warnoptions:

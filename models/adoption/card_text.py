@@ -55,8 +55,7 @@ def alternating(
             lines.append(f"swing = [{-reach.swing:.4g}, {reach.swing:.4g}]")
         legs = " ".join(str(i + 1) for i in stand.legs)
         turned = f"turned by up to {most:.0f} degrees to " if round(most) else ""
-        about = {"name": name, "legs": legs, "turned": turned}
-        guesses.append(guess("group", x=x, y=y, **about))
+        guesses.append(guess("group", x=x, y=y, name=name, legs=legs, turned=turned))
     if reach is not None:
         guesses.append(guess("swings", swing=reach.swing, reason=reach.reason))
     lines += ["", "[gait]", 'strata = ["12", "1", "12", "2", "12"]']

@@ -175,6 +175,8 @@ Point = tuple[float, float, float]
 
 def _parsed(text: str) -> ET.Element:
     """The root of a text, its elements without their namespace, or those of others."""
+    if "<!DOCTYPE" in text:  # where entities hide from the engine what they stand for
+        raise ET.ParseError("<!DOCTYPE> is not read; take it out")
     root = ET.fromstring(text)
     space = root.tag[: root.tag.find("}") + 1]
     for element in root.iter():
@@ -188,8 +190,6 @@ def with_shapes(path: Path, given: str, text: str) -> tuple[str, tuple[str, ...]
 
     The text is what was given, with the files of packages found.
     """
-    if "<!" in text.replace("<!--", ""):  # no entities
-        return text, ()
     try:
         robot, written = _parsed(text), _parsed(given)
         ET.tostring(robot)  # which needs Python's stack
@@ -212,7 +212,8 @@ def with_shapes(path: Path, given: str, text: str) -> tuple[str, tuple[str, ...]
         if not any(os.path.exists(folder / one) for one in (file, file.name))
     }
     if not absent:
-        return ET.tostring(robot, encoding="unicode") if drawn else text, notes
+        same = not drawn and "xmlns" not in text  # all names as the engine reads them
+        return text if same else ET.tostring(robot, encoding="unicode"), notes
     ends = _ends(robot)
     longest = max((hypot(*end) for found in ends.values() for end in found), default=0)
     missing: dict[str, None] = {}  # in order

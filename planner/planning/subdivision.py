@@ -75,8 +75,7 @@ def _refusal(cuts: Array, found: Sequence[Slack]) -> BoundError:
     many = message("many", most=MOST_DIVIDED, low=cuts[at], high=cuts[at + 1])
     if not worst.unit:
         return BoundError(f"the {worst.bound} needs {many}; give a shorter path")
-    facts = {"many": many, "count": len(cuts) - 1}
-    return BoundError(message("finer", of=worst, **facts))
+    return BoundError(message("finer", of=worst, many=many, count=len(cuts) - 1))
 
 
 def needed(slack: Slack) -> Array:

@@ -122,8 +122,7 @@ def _source(options: argparse.Namespace, progress: Progress) -> Source:
         source = from_scenario(scenario, robot, progress)
     own = source.servo.rate
     if options.rate and own and options.rate != own:
-        rates = {"rate": options.rate, "own": own}
-        raise UsageError.of("other_rate", options.scenario, **rates)
+        raise UsageError.of("other_rate", options.scenario, rate=options.rate, own=own)
     return source
 
 

@@ -102,7 +102,10 @@ def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | No
 
 
 def _check_logs(paths: Sequence[Path], logs: Sequence[Log], held: bool) -> None:
-    """Refuse logs that tell nothing of servos or walks, or of other joints."""
+    """Refuse logs that tell nothing of servos or walks, too much, or other joints."""
+    count = sum(log.measured.size for log in logs if log.measured is not None)
+    if count > fitting.MOST_ANGLES:
+        raise UsageError.of("many_angles", paths[0], most=fitting.MOST_ANGLES)
     for path, log in zip(paths, logs, strict=True):
         if log.measured is None and log.pose is None:
             raise UsageError.of("unmeasured", path)

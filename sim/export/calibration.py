@@ -50,8 +50,7 @@ def joint_servo(
         raise ValueError(f"answer + or -, not {turned!r}")
     (first, second), apart = counts, angles[1] - angles[0]
     if (second - first) * WAYS[turned] <= 0:
-        facts = {"turned": turned, "first": first, "second": second}
-        raise ValueError(message("turned", **facts))
+        raise ValueError(message("turned", turned=turned, first=first, second=second))
     needed, likely = abs(second - first), apart / kind.resolution
     if not LIKELY * likely < needed < likely / LIKELY:
         facts = {"needed": needed, "angle": degrees(apart), "likely": likely}

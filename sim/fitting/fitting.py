@@ -38,6 +38,7 @@ LOOSE = ((0.0, 0.01), (0.0, 0.01))  # [rad]; dead bands and backlash that are tr
 NARROWEST = 1e-5  # [rad]; a band that all joints have, so that all are built alike
 FITTED = 0.75  # of the rows of a log; the rest checks
 FEWEST_ROWS = 20  # of a log; six parameters are fitted to each joint
+MOST_ANGLES = 10**6  # of all logs; each takes a kilobyte, and 60 microseconds
 LAST_FIT = re.compile(r"""[ \t]*\[[ \t]*(["']?)fitted\1[ \t]*[.\]]""")
 SHOWS = 2.0  # standard errors, below which backlash or delay is none
 ROUNDS = 3  # of walking on the floor, all but the first with servos as found

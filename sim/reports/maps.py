@@ -85,8 +85,7 @@ def errors(run: Run) -> Iterator[Drawing]:
             keys = [Key.of(m, f"off {ROWS[n]}") for n, m in marks.items()]
             kind = "segment" if len(starts) == run.segments else "phase"
             along = "length of the path [mm]" if length else f"number of the {kind}"
-            told = {"along": along, "count": len(starts), "kind": kind}
-            note = NOTES["errors"].format(**told)
+            note = NOTES["errors"].format(along=along, count=len(starts), kind=kind)
             both = (keys, note) if word == WAYS[-1] else ([], "")
             yield finish(figure, f"Error {word} the path [mm]", *both)
 

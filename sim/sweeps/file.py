@@ -93,7 +93,8 @@ def read_sweep(source: str) -> Sweep:
     for key, made in (("list", list_block), ("sobol", sobol_block)):
         given += [made(inner)] if (inner := _inner(table, key)) else []
     blocks = tuple(_anchored(block, path.parent) for block in given)
-    times = Counter([*fixed, *(key for keys, _ in blocks for key in keys)])
+    tables = (_inner(table, name) for name in ("set", "grid", "list", "sobol"))
+    times = Counter(key for inner in tables for key, _ in flat(inner))
     for key in (key for key, count in times.items() if count > 1):
         raise UsageError(f"{key} is given twice", source, "keep it in one table")
     keep = _run_folders(_inner(table, "keep"), _count(blocks))

@@ -111,6 +111,7 @@ DIED = "its worker died"  # how the status begins of a point to be walked again
 SEAL = b'{"seal": "%b", '
 LENGTH = len(SEAL % bytes(16))
 LONGEST_LINE = 10**6  # bytes of a line
+MOST_LINES, MOST_NAMES = 10**5, 5000  # two tries of each point; of numbers
 LARGEST_FILE = 10**9  # bytes of a file of a robot or motion
 INT64 = 2**63  # beyond the numbers that a table takes
 
@@ -199,17 +200,22 @@ def read_ledger(
     if one is given, and two results of one point, which is named by its number.
     """
     known: dict[str, Outcome] = {}
+    names = set[str]()
     for path in paths:
         for number, line in enumerate(_lines(path), start=1):
             try:
                 one = Outcome.read(line)
+                names |= one.numbers.keys()
+                if len(names) > MOST_NAMES or number > MOST_LINES:
+                    raise ValueError("no sweep has so many points or numbers")
                 if software and (differ := differences(*alike(software, one.software))):
                     raise ValueError(f"it is of other software, {differ[0]}")
                 before = known.setdefault(one.digest, one)
                 results = ({**o.numbers, "status": o.status} for o in (before, one))
+                settled = one.died or one == before
                 if before.died:
                     known[one.digest] = one
-                elif not one.died and (differ := differences(*results)):
+                elif not settled and (differ := differences(*results)):
                     point = (points or {}).get(one.digest, one.digest)
                     raise ValueError(f"point {point} has two results, {differ[0]}")
             except ValueError as error:

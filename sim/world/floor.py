@@ -76,8 +76,7 @@ def ensure_floor(spec: mujoco.MjSpec, robot: Robot) -> Floor:
     feet = [spec.geom(name) for name in robot.card.feet]
     for foot in feet:
         if not (foot.contype or foot.conaffinity):
-            facts = {"foot": foot.name, "source": robot.path}
-            raise ModelError(message("untouchable", **facts))
+            raise ModelError(message("untouchable", foot=foot.name, source=robot.path))
     planes = _planes(spec, robot, feet)
     floors = [p for p in planes if p.tilt < LEVEL and not p.out_of_reach]
     if not floors:

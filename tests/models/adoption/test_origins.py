@@ -2,6 +2,9 @@
 
 from xml.etree import ElementTree as ET
 
+import pytest
+
+from models import ModelError
 from models.adoption.source import _parsed, _place, source_of
 from scripts.adoptees import ADOPTEES
 
@@ -21,12 +24,46 @@ def test_elements_have_names_without_namespaces():
         assert [e.tag for e in root.iter()] == ["robot", "link", "axis"]
 
 
+HULL = """
+v 0 0 0
+v 0.01 0 0
+v 0 0.01 0
+v 0 0 0.01
+f 1 3 2
+f 1 2 4
+f 1 4 3
+f 2 3 4
+"""
+HIDDEN = '<collision><geometry><mesh filename="{}"/></geometry></collision>'
+ENTITY = HIDDEN.replace("<", "&#60;").replace(">", "&#62;")
+
+
+@pytest.mark.parametrize(
+    ("head", "hidden", "said"),
+    [
+        (f"<!DOCTYPE r [<!ENTITY m '{ENTITY}'>]>", "&m;", "<!DOCTYPE> is not read"),
+        ("", f"<s:collision>{HIDDEN[11:-12]}</s:collision>", "outside its own folder"),
+    ],
+)
+def test_nothing_is_read_that_was_hidden_from_the_inspection(
+    head, hidden, said, tmp_path
+):
+    """Other readers expand entities, and know names by their space."""
+    outside = tmp_path / "secret.obj"
+    outside.write_text(HULL)
+    (tmp_path / "in").mkdir()
+    path = ADOPTEES[-1].write(tmp_path / "in")
+    text = path.read_text().replace("</link>", f"{hidden.format(outside)}</link>", 1)
+    begin = head.format(outside) + '<robot xmlns="x" xmlns:s="x" '
+    path.write_text(text.replace("<robot ", begin, 1))
+    with pytest.raises(ModelError, match=said):
+        source_of(str(path))
+
+
 def test_urdf_finds_meshes_beside_itself_in_a_folder_of_any_name(tmp_path):
     path = ADOPTEES[-1].write(tmp_path)
     (tmp_path / "meshes").mkdir()
-    corners = "v 0 0 0\nv 0.01 0 0\nv 0 0.01 0\nv 0 0 0.01\n"
-    faces = "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
-    (tmp_path / "meshes" / "hull.obj").write_text(corners + faces)
+    (tmp_path / "meshes" / "hull.obj").write_text(HULL)
     hull = '<geometry><mesh filename="package://bot/meshes/hull.obj"/></geometry>'
     shape = f"<collision>{hull}</collision></link>"
     path.write_text(path.read_text().replace("</link>", shape, 1))

@@ -255,6 +255,13 @@ def test_words_of_a_program_that_no_shell_has_are_refused(words, capsys):
     assert "is no text in UTF-8: stratawalk; rename it" in capsys.readouterr().err
 
 
+def test_what_the_environment_tells_sympy_is_not_asked(monkeypatch):
+    """It ended with "a bug of ours", since SymPy evaluates it."""
+    told = os.environ | {"SYMPY_CACHE_SIZE": "abc", "SYMPY_DEBUG": "abc"}
+    done = subprocess.run([*COMMAND, "plan", "biped"], env=told, capture_output=True)
+    assert (done.returncode, done.stderr) == (0, b"")
+
+
 SPAWNING = """
 import sys
 from multiprocessing import get_context

@@ -6,6 +6,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from sim.commands.fit import _check_logs
+from sim.errors import UsageError
 from sim.fitting.estimate import Estimates, Parameter, _in_words
 from sim.fitting.fitting import JointFit, _rows
 from sim.fitting.poses import BODY, PoseFit
@@ -16,6 +18,15 @@ def test_three_quarters_of_a_log_are_fitted_and_the_rest_checks():
     assert _rows(log, kept=False)[0].tolist() == [*range(15)]
     assert _rows(log, kept=True)[0].tolist() == [*range(15, 20)]
     assert _rows(log, kept=True)[1][:, 0].tolist() == [*range(15, 20)]
+
+
+def test_more_angles_than_memory_is_lent_for_are_refused(monkeypatch):
+    monkeypatch.setattr("sim.fitting.fitting.MOST_ANGLES", 79)
+    log = SimpleNamespace(time=np.arange(20.0), measured=np.ones((20, 2)))
+    log.joints, log.pose = ("hip", "knee"), None
+    _check_logs(["a"], [log], held=False)
+    with pytest.raises(UsageError, match="more than 79 measured angles: a; give a par"):
+        _check_logs(["a", "b"], [log, log], held=False)
 
 
 def estimates(parameters, value, error):

@@ -181,6 +181,18 @@ def test_two_results_of_a_point_are_refused_by_its_number(tmp_path):
         read_ledger(*paths, points={"a": 7})
 
 
+@pytest.mark.parametrize("bound", ["MOST_LINES", "MOST_NAMES"])
+def test_more_than_any_sweep_has_is_refused_by_the_line(bound, tmp_path, monkeypatch):
+    """It would take gigabytes."""
+    monkeypatch.setattr(f"sim.sweeps.ledger.{bound}", 1)
+    with opened(tmp_path / "ledger") as ledger:
+        ledger.add([FIRST, replace(SECOND, numbers={"y": 0.1})])
+    with pytest.raises(
+        UsageError, match="line 2 is .*, no sweep has so many points or"
+    ):
+        read_ledger(tmp_path / "ledger")
+
+
 @pytest.mark.parametrize("order", [(0, 1), (1, 0), (1, 1, 0), (1, 0, 1)])
 def test_a_result_takes_the_place_of_the_death_of_a_worker(tmp_path, order):
     outcomes = FIRST, replace(FIRST, status=f"{DIED}: once", numbers={})

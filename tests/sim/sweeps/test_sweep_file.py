@@ -60,6 +60,11 @@ def test_a_robots_file_is_found_from_the_sweeps_folder(tmp_path):
         ("[grid]\nfriction = [-1]", "friction = -1.*a number from 0 to 10"),
         ("[grid]\nplay = [0.01]\n[list]\nplay = [0.02]", "play is given twice"),
         ("[grid]\nhold = [0.2]", "hold is given twice"),
+        ("[list]\ngeometry.d = [1]\n'geometry.d' = [2]", "geometry.d is given twice"),
+        (
+            "[sobol]\npoints = 2\ngeometry.d = [1, 2]\n'geometry.d' = [2, 3]",
+            "geometry.d is given twice",
+        ),
         ("[keep]\npoints = [1]", r"points = \[1\] is not allowed"),
         ("[keep]\npionts = [0]", "did you mean 'points'"),
         ("[gird]\nplay = [0.01]", "unknown key 'gird'.*did you mean 'grid'"),

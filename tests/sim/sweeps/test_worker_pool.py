@@ -25,13 +25,7 @@ from sim.sweeps.worker_pool import Task, WorkerPool, open_pool
 from sim.versions import PACKAGES
 from tests.clusters import cluster
 from tests.commands import Begun, told
-from tests.sweeps import (
-    ENV,
-    poisoned,
-    stratawalk,
-    walked_here,
-    write_sweep,
-)
+from tests.sweeps import ENV, poisoned, stratawalk, walked_here, write_sweep
 
 pytestmark = pytest.mark.physics
 POISON = "[grid]\nfriction = [0.5, 0.666, 0.8]\n"
@@ -267,8 +261,8 @@ def test_workers_of_a_sweep_obey_nobody_else(client):
         async with rpc(address.replace("tls:", "tcp:"), timeout=2.0) as stranger:
             await stranger.identity()
 
-    (nanny,) = client.cluster.workers.values()
-    for address in (client.scheduler.address, nanny.address, nanny.worker_address):
+    (one,) = client.cluster.workers.values()  # and who watches over it
+    for address in (client.scheduler.address, one.address, one.worker_address):
         with pytest.raises(OSError, match="before comm was established"):
             asyncio.run(ask(address))
 
