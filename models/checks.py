@@ -120,8 +120,7 @@ def _badly_standing(kinematics: Kinematics) -> Iterator[Problem]:
     for joint in robot.card.joints:
         (low, high), angle = robot.span(joint), robot.standing_angle(joint)
         if not low - BEYOND <= angle <= high + BEYOND:
-            span = {"low": low, "high": high}
-            yield "outside", {"joint": joint, "angle": angle, **span}
+            yield "outside", {"joint": joint, "angle": angle, "low": low, "high": high}
     feet, height = kinematics.standing.feet, kinematics.standing.height
     highest, lowest = int(height.argmax()), int(height.argmin())
     above = height[highest] - float(kinematics.center_of_mass[2])

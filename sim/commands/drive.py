@@ -194,7 +194,9 @@ class Link:
 
     def _since(self, moment: float, now: float) -> Iterator[list[float]]:
         """Poses that have come and are not older than a moment [s], each once."""
-        while reading := self.poses.next(1e-3 if self.pace else REPLY):
+        until = time.monotonic() + 10 * REPLY  # however fast old ones come
+        wait = 1e-3 if self.pace else REPLY
+        while time.monotonic() < until and (reading := self.poses.next(wait)):
             (when, pose), before, self.last = reading, self.last, reading
             if when > now + AHEAD:
                 raise UsageError.of("ahead", "--poses", when=when, now=now)

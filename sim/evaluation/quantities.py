@@ -81,7 +81,6 @@ OF_ROWS = (  # beside where each row ends, and how far the physics ends off it
 WALKS = shipped_tables("sim.evaluation", "quantities.toml")
 OF_WALKS = tuple(Quantity(key, **shown) for key, shown in WALKS.items())
 WRONG, CLAIMED = (q for q in OF_WALKS if q.key[9:] in ("wrong", "claimed"))
-QUANTITIES = (POSITION, YAW, *OF_ROWS, *OF_WALKS)
 COLUMNS = tuple(quantity for quantity in OF_ROWS if quantity.column)
 LINES = tuple(quantity for quantity in OF_ROWS if not quantity.column)
 HEADS = "".join(f"{quantity.column:>{quantity.width}}" for quantity in COLUMNS)

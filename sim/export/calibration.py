@@ -15,7 +15,7 @@ import mujoco
 import numpy as np
 
 from models import JointServo, Kinematics, Robot, ServoKind, load
-from models.description import board_divider, toml_key, without_tables
+from models.description import BOARD_COUNTS, board_divider, toml_key, without_tables
 from planner import Array
 from sim import palette
 from sim.errors import RenderError, message
@@ -48,6 +48,8 @@ def joint_servo(
     """
     if turned not in WAYS:
         raise ValueError(f"answer + or -, not {turned!r}")
+    if max(counts) >= BOARD_COUNTS:
+        raise ValueError(f"there are {BOARD_COUNTS} counts, and none is {max(counts)}")
     (first, second), apart = counts, angles[1] - angles[0]
     if (second - first) * WAYS[turned] <= 0:
         raise ValueError(message("turned", turned=turned, first=first, second=second))

@@ -152,12 +152,11 @@ def describe(flow: WalkedPhase, groups: Sequence[str], legs_per_group: int) -> s
     return ", ".join(clauses)
 
 
-def scale_bar(
-    view: Camera, reach: float, bottom: int = HEIGHT - legend.EDGE - BAR - GAP
-) -> legend.Panel:
+def scale_bar(view: Camera, reach: float) -> legend.Panel:
     """The panel at the left, above the bar of numbers: one cell of the grid."""
     metres, words = cell(reach), f"{1000 * cell(reach):g} mm on the floor here"
     tilt = np.radians(view.elevation)
+    bottom = HEIGHT - legend.EDGE - BAR - GAP
     above = (HEIGHT / 2 - bottom + SCALE // 3) * view.pixel  # at a distance of one
     # How deep in the picture the ray through this height meets the floor.
     depth = -view.eyes()[0, 2] / (np.sin(tilt) + above * np.cos(tilt))

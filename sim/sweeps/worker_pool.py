@@ -274,10 +274,7 @@ async def _greet(scheduler: str) -> None:
 
 
 def _local(stack: ExitStack, workers: int) -> LocalCluster:
-    """A scheduler in this process, and workers that know each other by certificates.
-
-    Whoever else is on this machine reaches their ports, and would be obeyed.
-    """
+    """A scheduler in this process, and workers that obey nobody else on the machine."""
     folder = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
     try:
         with deaf([signal.SIGXCPU, signal.SIGHUP]):  # which end it, no point

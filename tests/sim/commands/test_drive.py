@@ -100,6 +100,20 @@ def test_commands_come_at_their_times_divided_by_the_pace(monkeypatch, pace):
     assert np.multiply(pace, np.subtract(sent, 7.0)) == pytest.approx([0, 0.02, 0.5, 3])
 
 
+@pytest.mark.timeout(60)  # it waited for ever
+@pytest.mark.physics
+def test_old_poses_that_never_end_are_no_reason_to_wait():
+    """As of a camera whose clock stands still."""
+    told = '{"time": 0, "x": 0, "y": 0, "yaw": 0}'
+    words = shlex.join([*way(), "--patience", "0.1"])
+    drive = subprocess.run(
+        f"yes {shlex.quote(told)} | {sys.executable} -m sim.start {words} > /dev/null",
+        shell=True, stderr=subprocess.PIPE, text=True, check=False,
+    )  # fmt: skip
+    assert drive.returncode == 0, drive.stderr
+    assert "no pose came" in drive.stderr
+
+
 def test_a_robot_that_stops_listening_ends_the_walk_with_a_message(tmp_path, capfd):
     drive = subprocess.run(
         f"{sys.executable} -m sim.start {shlex.join(way())} < /dev/null | head -n 3",

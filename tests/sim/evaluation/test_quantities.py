@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from sim.evaluation.quantities import QUANTITIES
+from sim.evaluation.quantities import OF_ROWS, OF_WALKS, POSITION, YAW
 from sim.evaluation.summary import (
     Accomplished,
     Departed,
@@ -20,6 +20,7 @@ from sim.evaluation.summary import (
     Weighed,
 )
 
+QUANTITIES = (POSITION, YAW, *OF_ROWS, *OF_WALKS)
 DOCUMENTED = Path(__file__).resolve().parents[3] / "docs" / "numbers.md"
 
 

@@ -210,7 +210,8 @@ def test_strokes_that_check_go_15_degrees_or_to_the_nearest_end(monkeypatch):
         ("+", (400, 300), r"turned \+ .* from 400 to 300; look at the marks"),
         ("x", (300, 400), "answer \\+ or -, not 'x'"),
         ("+", (300, 310), "10 counts for 57 degrees, and its make takes 111; look"),
-        ("+", (0, 10**400), "0 counts for 57 degrees, and its make takes 111; look"),
+        ("+", (0, 400), "400 counts for 57 degrees, and its make takes 111; look"),
+        ("+", (4000, 4096), "there are 4096 counts, and none is 4096"),
     ],
 )
 def test_answers_that_cannot_be_are_refused(turned, counts, said):

@@ -144,6 +144,15 @@ def test_a_log_of_more_numbers_than_are_read_in_time_is_refused(read, monkeypatc
         read("time,hip_1\n0,0\n1,1\n2,2\n")
 
 
+@pytest.mark.parametrize(("bound", "most"), [("MOST_NUMBERS", 2), ("LONGEST_LINE", 9)])
+def test_lines_are_counted_before_they_are_parted(read, monkeypatch, bound, most):
+    """Of millions, or of millions of names in one, reading takes minutes."""
+    read("time,hip_1\n0,0\n1,1\n")
+    monkeypatch.setattr(f"sim.logs.log.{bound}", most)
+    with pytest.raises(UsageError, match=r"more than \d+ lines, or too long a first"):
+        read("time,hip_1\n0,0\n1,1\n")
+
+
 def test_a_log_that_is_written_is_read_back_with_every_digit(read):
     log = of_function(lambda t: {"hip_1": 0.1 * t, "lift_1": t / 3}, 0.02, 100)
     seen = {"pose": log.time[:, None] * [1, 2, np.nan], "contact": {2: log.time * 0}}

@@ -79,7 +79,7 @@ def on_floor(view, frame, pixel):
 
 
 def test_the_scale_bar_is_as_long_as_what_lies_at_its_place(walk, view):
-    panel = scale_bar(view, walk.reach, bottom=600)
+    panel = scale_bar(view, walk.reach)
     dark = np.asarray(panel.still)[..., :3].astype(int)[SCALE - 15]
     drawn = np.flatnonzero((np.abs(dark - palette.TEXT) < 40).all(axis=1))
     y = panel.top + SCALE - 15
