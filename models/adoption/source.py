@@ -212,7 +212,7 @@ def with_shapes(path: Path, given: str, text: str) -> tuple[str, tuple[str, ...]
         if not any(os.path.exists(folder / one) for one in (file, file.name))
     }
     if not absent:
-        same = not drawn and "xmlns" not in text  # all names as the engine reads them
+        same = not (drawn or re.search(r"xmlns\s*=", text))  # or prefixes hide names
         return text if same else ET.tostring(robot, encoding="unicode"), notes
     ends = _ends(robot)
     longest = max((hypot(*end) for found in ends.values() for end in found), default=0)
