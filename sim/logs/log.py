@@ -20,7 +20,7 @@ from planner.support import did_you_mean, read_file
 from sim.errors import UsageError, message
 from sim.folder import csv_lines, csv_text
 
-LARGEST_LOG, LONGEST_LINE = 10**8, 10**7  # bytes
+LARGEST_LOG, LONGEST_HEAD = 10**8, 10**7  # bytes
 MOST_NUMBERS = 5 * 10**6  # which take some seconds to read
 SHORTEST_LOG, LONGEST_LOG = 0.01, 600.0  # [s]
 SHORTEST_STEP = 1e-6  # [s], between rows
@@ -160,7 +160,7 @@ def _table(path: Path, joints: Sequence[str] = ()) -> dict[str, Array]:
     text = read_file(path, LARGEST_LOG).decode("utf-8-sig", "replace")
     if "\0" in text:
         raise ValueError("it has zero bytes, as UTF-16 does; save it in UTF-8, without")
-    if text.count("\n") > MOST_NUMBERS or len(text.partition("\n")[0]) > LONGEST_LINE:
+    if text.count("\n") > MOST_NUMBERS or len(text.partition("\n")[0]) > LONGEST_HEAD:
         raise ValueError(f"more than {MOST_NUMBERS} lines, or too long a first one")
     parted = max(",;\t", key=text.lstrip("\r\n").partition("\n")[0].count)
     lines = (row for row in csv_lines(text, parted) if row)

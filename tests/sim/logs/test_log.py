@@ -144,7 +144,7 @@ def test_a_log_of_more_numbers_than_are_read_in_time_is_refused(read, monkeypatc
         read("time,hip_1\n0,0\n1,1\n2,2\n")
 
 
-@pytest.mark.parametrize(("bound", "most"), [("MOST_NUMBERS", 2), ("LONGEST_LINE", 9)])
+@pytest.mark.parametrize(("bound", "most"), [("MOST_NUMBERS", 2), ("LONGEST_HEAD", 9)])
 def test_lines_are_counted_before_they_are_parted(read, monkeypatch, bound, most):
     """Of millions, or of millions of names in one, reading takes minutes."""
     read("time,hip_1\n0,0\n1,1\n")
