@@ -194,8 +194,7 @@ class Link:
 
     def _since(self, moment: float, now: float) -> Iterator[list[float]]:
         """Poses that have come and are not older than a moment [s], each once."""
-        until = time.monotonic() + 10 * REPLY  # however fast old ones come
-        wait = 1e-3 if self.pace else REPLY
+        wait, until = 1e-3 if self.pace else REPLY, time.monotonic() + 10 * REPLY
         while time.monotonic() < until and (reading := self.poses.next(wait)):
             (when, pose), before, self.last = reading, self.last, reading
             if when > now + AHEAD:

@@ -5,7 +5,7 @@ and `offset`, in a list or in a table by any keys, on their own or under `SERVOS
 """
 
 import re
-from math import radians
+from math import radians, tau
 from pathlib import Path
 from typing import Any
 
@@ -87,8 +87,8 @@ def _servo(given: Table) -> tuple[str, JointServo]:
     ticks, turned = given.number("ticks"), given.number("max_radians")
     center, sign = given.number("center"), given.number("sign", 1)
     offset = given.number("offset", 0.0)
-    if not (ticks > 0 and turned > 0):
-        raise ValueError(f"{given.where}: ticks and max_radians must be positive")
+    if not (ticks > 0 and 0 < turned <= 2 * tau):
+        raise ValueError(f"{given.where}: ticks must be positive, max_radians to 12.5")
     ends = sorted(
         offset + sign * (count - center) * turned / ticks for count in (0, ticks - 1)
     )

@@ -28,6 +28,7 @@ Table = Mapping[str, object]
 RANGE = {"from", "to", "count", "scale"}
 LINEAR, LOGARITHMIC = "linear", "log"
 LAST_END = 1e100  # between ends beyond it there may be no numbers
+OF_SOBOL = {"points", "seed"}  # which are no settings there
 MOST_POINTS = 50_000  # of a sweep; checking them takes some ten seconds
 MOST_TEXT = 10**8  # bytes of the scenarios of all points, checked in half a minute
 WHOLE = {name for name, item in SETTINGS.items() if item.includes(int)}
@@ -95,6 +96,7 @@ def read_sweep(source: str) -> Sweep:
     blocks = tuple(_anchored(block, path.parent) for block in given)
     tables = (_inner(table, name) for name in ("set", "grid", "list", "sobol"))
     times = Counter(key for inner in tables for key, _ in flat(inner))
+    times.subtract(_inner(table, "sobol").keys() & OF_SOBOL)
     for key in (key for key, count in times.items() if count > 1):
         raise UsageError(f"{key} is given twice", source, "keep it in one table")
     keep = _run_folders(_inner(table, "keep"), _count(blocks))
@@ -194,7 +196,7 @@ def sobol_block(table: Table) -> Block:
 
     count = _whole("points", table.get("points"), 1, MOST_POINTS)
     seed = _whole("seed", table.get("seed", 0), 0, 2**32 - 1)
-    spans = dict(flat({k: v for k, v in table.items() if k not in ("points", "seed")}))
+    spans = dict(flat({k: v for k, v in table.items() if k not in OF_SOBOL}))
     if not 0 < len(spans) <= qmc.Sobol.MAXDIM:
         facts = {"count": len(spans) or "no", "most": qmc.Sobol.MAXDIM}
         raise UsageError.of("keys", "[sobol]", **facts)

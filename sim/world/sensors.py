@@ -85,8 +85,7 @@ def add_walls(
 ) -> None:
     """Replace the obstacles of a world, with a contact sensor for every piece.
 
-    Geom and sensor are named `obstacle_I_J`. What else stands beside the floor keeps
-    its name, and its sensors begin with `obstacle_0`.
+    Both are named `obstacle_I_J`; I is 0 for sensors of what else stands on the floor.
     """
     for old in [sensor for sensor in spec.sensors if re.fullmatch(WALL, sensor.name)]:
         for part in filter(None, (spec.geom(old.name), spec.mesh(old.name), old)):

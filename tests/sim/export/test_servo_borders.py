@@ -167,6 +167,7 @@ def test_a_servo_on_a_bus_takes_pulses_only_if_they_are_given():
     [
         ("- {name: a, id: 1, ticks: 0, center: 5, max_radians: 1}", "must be positive"),
         ("- {name: a, id: 1, ticks: 9, center: 5, max_radians: 0}", "must be positive"),
+        ("- {name: a, id: 1, ticks: 9, center: 5, max_radians: 13}", "dians to 12.5"),
         ("[]", "no servos"),
         ("{}", "no servos"),
         ("SERVOS: 3", "no servos"),

@@ -76,6 +76,12 @@ def test_mistakes_are_refused_with_what_was_meant(tmp_path, varies, said):
         read_sweep(path).at(0)
 
 
+def test_a_sequence_has_a_seed_of_its_own(tmp_path):
+    own = "[grid]\nseed = [1, 2]\n[sobol]\nseed = 5\npoints = 2\nfriction = [0.5, 1]\n"
+    sweep = read_sweep(str(write_sweep(tmp_path, own)))
+    assert [sweep.at(point).seed for point in range(4)] == [1, 1, 2, 2]
+
+
 def test_more_points_than_are_checked_in_seconds_are_refused(tmp_path):
     varies = "friction = {{ from = 0, to = 1, count = {} }}\ndraw = [1, 2]\n"
     path = str(write_sweep(tmp_path, "[grid]\n" + varies.format(25_000)))
