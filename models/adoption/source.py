@@ -175,8 +175,8 @@ Point = tuple[float, float, float]
 
 def _parsed(text: str) -> ET.Element:
     """The root of a text, its elements without their namespace, or those of others."""
-    if "<!DOCTYPE" in text:  # where entities hide from the engine what they stand for
-        raise ET.ParseError("<!DOCTYPE> is not read; take it out")
+    if hides := re.search("<!(ENTITY|ATTLIST)", text):  # what the engine does not read
+        raise ET.ParseError(f"{hides[0]}> is not read; take it out")
     root = ET.fromstring(text)
     space = root.tag[: root.tag.find("}") + 1]
     for element in root.iter():

@@ -177,16 +177,12 @@ class Robot:
         return qpos
 
     @property
-    def start_ctrl(self) -> np.ndarray:
-        """Commands in the keyframe to start from, or none, of the file's actuators."""
-        key, model = start_key(self.model), self.model
-        return np.array(np.zeros(model.nu) if key is None else model.key_ctrl[key])
-
-    @property
-    def start_act(self) -> np.ndarray:
-        """Activations in the keyframe to start from, or none, in the file's order."""
-        key, model = start_key(self.model), self.model
-        return np.array(np.zeros(model.na) if key is None else model.key_act[key])
+    def start_data(self) -> mujoco.MjData:
+        """Commands and activations in the keyframe to start from, or none."""
+        key, data = start_key(self.model), mujoco.MjData(self.model)
+        if key is not None:
+            mujoco.mj_resetDataKeyframe(self.model, data, key)
+        return data
 
     def root_address_in(self, model: mujoco.MjModel) -> int:
         """Where the free joint's seven numbers begin in qpos of its file or a world."""

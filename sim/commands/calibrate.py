@@ -18,7 +18,7 @@ from sim.export.calibration import card_with, draw, joint_servo, marks, sheet, s
 from sim.export.header import write_header
 from sim.export.servo_table import BUS_NUMBERS, servo_table
 from sim.export.source import write_table
-from sim.folder import RunFolder, ensure_folder, whole
+from sim.folder import RunFolder, ensure_folder, require_free, whole
 from sim.templates import render
 
 BOARD_CHANNELS = range(16)
@@ -35,7 +35,10 @@ def calibrate(options: argparse.Namespace) -> None:
     """Ask for what is not known yet, and write the card; or write strokes to check."""
     robot = cli.robot_of(options, options.robot)
     kind = _kind(robot)
-    folder = RunFolder(ensure_folder(Path(options.out)))
+    folder = RunFolder(ensure_folder(out := Path(options.out)))
+    if not any((out / tool).exists() for tool in (SKETCH, SCRIPT)):
+        for name in (PAGE, SHEET):
+            require_free(out / name, "--out")
     robot = _owned(robot, folder, options)
     if options.check:
         facts = _check(robot, kind, folder)
@@ -92,6 +95,7 @@ def _owned(robot: Robot, folder: RunFolder, options: argparse.Namespace) -> Robo
         return robot
     own = folder.path / source.name
     if not own.exists():
+        require_free(own.with_suffix(".toml"), "--out")
         spec = robot.read()
         spec.compile()
         folder.write_text(own.with_suffix(".toml").name, robot.card_text)
@@ -127,7 +131,7 @@ def _calibrated(
         rate, assumed = kind.command_rate, clock or description.BOARD_CLOCK
         divider = card.board_divider or pulse * description.board_divider(rate, assumed)
         for joint, servo in _found(robot, kind, known, divider, ask):
-            text = card_with(robot.card_text, known | {joint: servo}, clock, divider)
+            text = card_with(read_text(file), known | {joint: servo}, clock, divider)
             with whole(file) as part:
                 part.write_text(text, "utf-8")
             known[joint] = servo

@@ -136,7 +136,7 @@ def figures(options: argparse.Namespace) -> None:
     """Draw the figures, name each when it is written, and print their folder."""
     from sim.figures.sheet import draw
 
-    folder = claim(cli.folder_of(options), "figures")
+    folder = claim(options.out and Path(options.out), "figures")
     kept = partial(cli.kept_in, folder.path, options.out)
     try:
         with bar(quiet=options.json) as progress, keeping(kept):

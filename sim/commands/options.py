@@ -117,11 +117,6 @@ def reader_of(
     return partial(read_log, joints=card.joints, legs=robot.legs, angles=angles)
 
 
-def folder_of(options: argparse.Namespace) -> Path | None:
-    """The folder `--out` names; None if it is to be numbered."""
-    return None if options.out is None else Path(options.out)
-
-
 def run_of(options: argparse.Namespace) -> Path:
     """The run that is asked for, or the newest of a folder; UsageError without one."""
     folder = Path(GUESSES["runs"].get(options.run, options.run))

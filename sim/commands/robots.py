@@ -88,16 +88,18 @@ def _adopted(options: argparse.Namespace) -> tuple[Source, Draft, Setup, list[Pa
     with whole(card, new=True) as part:  # of two at once, one goes on
         part.write_text(draft.card, "utf-8")
     try:
-        with unfinished(card, picture, *model):
+        with unfinished(card):
             if source.text is not None:
-                with whole(source.path) as part:
+                with whole(source.path, new=True) as part:
                     part.write_text(source.text, "utf-8")
-            with cli.working(options, "trying to stand"):
-                name = str(source.path)
-                robot = load(name, allow_external=options.allow_external)
-                setup = prepare(load_scenario("line", {"robot": name}), robot)
-            with cli.working(options, "drawing it from above"), whole(picture) as part:
-                save_standing(setup, draft.gait.pivots, part)
+            with unfinished(*model):
+                with cli.working(options, "trying to stand"):
+                    name = str(source.path)
+                    robot = load(name, allow_external=options.allow_external)
+                    setup = prepare(load_scenario("line", {"robot": name}), robot)
+                drawing = cli.working(options, "drawing it from above")
+                with drawing, whole(picture, new=True) as part:
+                    save_standing(setup, draft.gait.pivots, part)
     except ModelError as error:
         drafted = f"{re.escape(str(source.path.with_suffix('')))}[.](xml|toml)"
         told = re.sub(drafted, lambda _: str(source.given), str(error))

@@ -79,7 +79,7 @@ def sweep(options: argparse.Namespace) -> ExitCode:
 def merge(options: argparse.Namespace) -> ExitCode:
     """Write the table of all shards, and say what failed."""
     folders = [Path(folder) for folder in options.folders]
-    out = cli.folder_of(options) or folders[0]
+    out = Path(options.out or folders[0])
     return _print_result(options, *sweeping.merge(folders, out))
 
 
@@ -113,7 +113,7 @@ def _points(count: int) -> str:
 def study(options: argparse.Namespace) -> None:
     """Print what a sweep has found, and draw its maps."""
     given = Path(options.table)
-    out = cli.folder_of(options) or (given if given.is_dir() else given.parent) / "maps"
+    out = Path(options.out or (given if given.is_dir() else given.parent) / "maps")
     paged = out.suffix in cli.PAGES
     if out.suffix[1:].isalpha() and not paged and not out.is_dir():
         raise UsageError("neither folder nor page", str(out), "end it with .html")

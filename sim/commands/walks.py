@@ -84,7 +84,7 @@ def _walk(
     """Walk a scenario or a log into a folder, tell hints and how it went, and judge."""
     from sim.run_folder import run
 
-    folder = claim(cli.folder_of(options), scenario.name)
+    folder = claim(options.out and Path(options.out), scenario.name)
 
     def kept() -> str:
         if (folder.path / "summary.json").exists():
@@ -192,7 +192,7 @@ def tries_of(
         raise UsageError.of("not_drawn", "--tries")
     draws = range(scenario.draw, scenario.draw + options.tries)
     replace(scenario, draw=draws[-1])  # refused before anything is written
-    folder = claim(cli.folder_of(options), scenario.name)
+    folder = claim(options.out and Path(options.out), scenario.name)
 
     def kept() -> str:
         table = folder.path / TABLE

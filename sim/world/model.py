@@ -136,7 +136,7 @@ def ensure_start(spec: mujoco.MjSpec, robot: Robot, floor: Floor) -> float:
 
 def _ctrl(spec: mujoco.MjSpec, robot: Robot) -> list[float]:
     """Leg joints hold their angles; other actuators keep what the robot's file says."""
-    own = {robot.model.actuator(i).name: c for i, c in enumerate(robot.start_ctrl)}
+    own = {robot.model.actuator(i).name: c for i, c in enumerate(robot.start_data.ctrl)}
     return [
         robot.standing_angle(actuator.target)
         if actuator.trntype in ON_JOINT and actuator.target in robot.card.joints
@@ -147,11 +147,13 @@ def _ctrl(spec: mujoco.MjSpec, robot: Robot) -> list[float]:
 
 def _act(spec: mujoco.MjSpec, robot: Robot) -> list[float]:
     """Activations that the robot's file says; servos of leg joints have none."""
-    own, none = robot.model.actuator, mujoco.mjtDyn.mjDYN_NONE
+    own, none, act = (
+        robot.model.actuator,
+        mujoco.mjtDyn.mjDYN_NONE,
+        robot.start_data.act,
+    )
     late = [own(a.name) for a in spec.actuators if a.dyntype != none]
-    return [
-        x for one in late for x in robot.start_act[one.actadr[0] :][: one.actnum[0]]
-    ]
+    return [float(x) for one in late for x in act[one.actadr[0] :][: one.actnum[0]]]
 
 
 NUDGE = 1e-6  # [rad] or [m], and as much a second

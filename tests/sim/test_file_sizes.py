@@ -16,13 +16,13 @@ def asked(path, largest):
 
 
 @pytest.mark.parametrize(
-    ("module", "reader", "read"),
-    [(body_path, "read_text", "_read_poses"), (log, "read_file", "_table")],
+    ("module", "reader", "read", "size"),
+    [(body_path, "read_text", "_read_poses", 7), (log, "read_file", "_table", 8)],
     ids=["poses", "logs"],
 )
-def test_poses_and_logs_have_a_hundred_megabytes_at_most(
-    module, reader, read, monkeypatch
+def test_poses_have_ten_megabytes_at_most_and_logs_a_hundred(
+    module, reader, read, size, monkeypatch
 ):
     monkeypatch.setattr(module, reader, asked)
-    with pytest.raises((AskedError, UsageError), match="100000000 bytes"):
+    with pytest.raises((AskedError, UsageError), match=f"{10**size} bytes"):
         getattr(module, read)("any.csv")

@@ -83,6 +83,23 @@ def test_of_two_that_adopt_a_robot_at_once_the_second_is_refused(
     assert names(tmp_path) == ["spider.toml", "spider.xml"]
 
 
+@pytest.mark.parametrize("late", ["box.xml", "box.png"])
+def test_files_of_others_that_appear_meanwhile_are_kept(late, tmp_path, monkeypatch):
+    """A model file once the legs are found, a picture while the robot stands."""
+    path = BOX.write(tmp_path)
+    name = {"box.xml": "draft_card", "box.png": "prepare"}[late]
+    function = getattr(robots, name)
+
+    def found(*words, **more):
+        (tmp_path / late).write_text("precious")
+        return function(*words, **more)
+
+    monkeypatch.setattr(robots, name, found)
+    assert main(["adopt", str(path)]) == 2
+    assert (tmp_path / late).read_text() == "precious"
+    assert names(tmp_path) == sorted(["box.urdf", late])
+
+
 def test_a_card_is_never_there_in_part(tmp_path, monkeypatch):
     """Whoever kills the command at any moment finds a whole card, or none."""
     path, seen = BOX.write(tmp_path), []

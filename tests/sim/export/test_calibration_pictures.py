@@ -191,6 +191,15 @@ def test_joints_that_cannot_be_drawn_are_told_with_the_last_word_of_why(
     assert called == [(own, module), ((*own, "external"), module)]
 
 
+@pytest.mark.parametrize("name", ["index.html", "feet.svg", f"{ROBOT}.toml"])
+def test_a_folder_of_somebody_else_is_refused(name, tmp_path, capsys):
+    (tmp_path / name).write_text("mine")
+    assert main(["calibrate", ROBOT, "--out", str(tmp_path)]) == 2
+    assert f"{name}; give --out another name" in capsys.readouterr().err
+    assert (tmp_path / name).read_text() == "mine"
+    assert [path.name for path in tmp_path.iterdir()] == [name]
+
+
 def test_a_picture_that_is_interrupted_leaves_nothing(tmp_path, monkeypatch):
     def killed(driver, limit, robot, folder, **module):
         (tmp_path / "joint-1.png").touch()

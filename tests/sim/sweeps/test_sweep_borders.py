@@ -220,7 +220,7 @@ def test_an_address_without_a_port_is_refused_before_anything_is_made(
     assert not (tmp_path / "o").exists()
 
 
-def test_a_limit_of_processor_time_is_for_the_sweep_and_not_for_its_workers(
+def test_a_limit_of_time_and_a_closed_terminal_end_the_sweep_and_not_its_workers(
     monkeypatch,
 ):
     masks = []
@@ -232,7 +232,7 @@ def test_a_limit_of_processor_time_is_for_the_sweep_and_not_for_its_workers(
     monkeypatch.setattr(worker_pool, "LocalCluster", cluster)
     with ExitStack() as stack:
         worker_pool._local(stack, 1)
-    assert masks[0] == {signal.SIGXCPU}
+    assert masks[0] == {signal.SIGXCPU, signal.SIGHUP}
     assert signal.pthread_sigmask(signal.SIG_BLOCK, []) == set()
 
 

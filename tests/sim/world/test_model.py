@@ -190,7 +190,7 @@ def test_actuators_keep_what_the_robot_s_file_tells_them_unless_they_move_a_leg(
     names = [*told]
     robot = SimpleNamespace(
         model=SimpleNamespace(actuator=lambda i: SimpleNamespace(name=names[i])),
-        start_ctrl=told.values(),
+        start_data=SimpleNamespace(ctrl=told.values()),
         card=SimpleNamespace(joints=[leg]),
         standing_angle=lambda name: {leg: 0.25}[name],
     )
