@@ -160,9 +160,10 @@ def _table(path: Path, joints: Sequence[str] = ()) -> dict[str, Array]:
     text = read_file(path, LARGEST_LOG).decode("utf-8-sig", "replace")
     if "\0" in text:
         raise ValueError("it has zero bytes, as UTF-16 does; save it in UTF-8, without")
-    if text.count("\n") > MOST_NUMBERS or len(text.partition("\n")[0]) > LONGEST_HEAD:
+    head = text.lstrip("\r\n").partition("\n")[0]
+    if text.count("\n") > MOST_NUMBERS or len(head) > LONGEST_HEAD:
         raise ValueError(f"more than {MOST_NUMBERS} lines, or too long a first one")
-    parted = max(",;\t", key=text.lstrip("\r\n").partition("\n")[0].count)
+    parted = max(",;\t", key=head.count)
     lines = (row for row in csv_lines(text, parted) if row)
     names = [n if n in joints else n.strip() for n in next(lines, [])]
     if TIME not in names:

@@ -33,7 +33,7 @@ START: Pose = (0.0, 0.0, 0.0)
 CLOSE = 1e-12  # [m] or [rad], of a start that counts as (0, 0, 0)
 FARTHEST_POSE = 1e6  # [m] or [rad]; beyond, rounding would exceed single steps
 COLUMNS = ("x", "y", "yaw")  # of a file of poses, [m], [m], [rad]
-MOST_POSES, MOST_BYTES = 100_000, 10**7  # in such a file
+MOST_POSES, MOST_BYTES = 100_000, 5 * 10**7  # in such a file
 WHERE = "the nominal path"
 POSES_OR_FILE = 'file = "POSES.csv", or poses = [[0, 0, 0], [x, y, yaw], ...]'
 

@@ -200,13 +200,11 @@ def read_ledger(
     if one is given, and two results of one point, which is named by its number.
     """
     known: dict[str, Outcome] = {}
-    names = set[str]()
     for path in paths:
         for number, line in enumerate(_lines(path), start=1):
             try:
                 one = Outcome.read(line)
-                names |= one.numbers.keys()
-                if len(names) > MOST_NAMES or number > MOST_LINES:
+                if len(one.numbers) > MOST_NAMES or number > MOST_LINES:
                     raise ValueError("no sweep has so many points or numbers")
                 if software and (differ := differences(*alike(software, one.software))):
                     raise ValueError(f"it is of other software, {differ[0]}")

@@ -31,6 +31,7 @@ from sim.sweeps import ledger
 from sim.sweeps.ledger import OK, Outcome, software
 
 try:
+    import cryptography  # noqa: F401 (of which Security says too late that it lacks)
     import dask
     from distributed import Client, Future, KilledWorker, LocalCluster, wait
     from distributed.comm import connect

@@ -152,7 +152,7 @@ def _act(spec: mujoco.MjSpec, robot: Robot) -> list[float]:
         mujoco.mjtDyn.mjDYN_NONE,
         robot.start_data.act,
     )
-    late = [own(a.name) for a in spec.actuators if a.dyntype != none]
+    late = [own(a.name) for a in spec.actuators if a.dyntype != none or a.plugin.active]
     return [float(x) for one in late for x in act[one.actadr[0] :][: one.actnum[0]]]
 
 

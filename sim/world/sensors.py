@@ -88,7 +88,8 @@ def add_walls(
     Both are named `obstacle_I_J`; I is 0 for sensors of what else stands on the floor.
     """
     for old in [sensor for sensor in spec.sensors if re.fullmatch(WALL, sensor.name)]:
-        for part in filter(None, (spec.geom(old.name), spec.mesh(old.name), old)):
+        made = (spec.geom, spec.mesh) if old.name[9] != "0" else ()
+        for part in filter(None, (*(find(old.name) for find in made), old)):
             spec.delete(part)
     standing = filter(spec.geom, {*fixed_geoms(robot.model)} - {floor})
     for j, name in enumerate(sorted(standing), start=1):

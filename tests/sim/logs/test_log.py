@@ -150,7 +150,7 @@ def test_lines_are_counted_before_they_are_parted(read, monkeypatch, bound, most
     read("time,hip_1\n0,0\n1,1\n")
     monkeypatch.setattr(f"sim.logs.log.{bound}", most)
     with pytest.raises(UsageError, match=r"more than \d+ lines, or too long a first"):
-        read("time,hip_1\n0,0\n1,1\n")
+        read("\ntime,hip_1\n0,0\n1,1\n")
 
 
 def test_a_log_that_is_written_is_read_back_with_every_digit(read):

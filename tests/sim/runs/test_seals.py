@@ -23,3 +23,11 @@ def test_copies_of_a_robot_s_files_are_sealed_and_sealed_again(tmp_path):
 def test_seals_of_files_elsewhere_are_none(tmp_path):
     told = {"seals": {"../x": "0", "/etc/hostname": "0", "robot/../../x": "0"}}
     assert set(seals(tmp_path, {}, {}, told)) == {*TABLES, *WHOLE} - {CARD}
+
+
+def test_servos_may_be_mounted_anew_and_legs_may_not(tmp_path):
+    card = {"lift_angle": 0.3, "servo": {"kind": "mg90"}, "board": {"clock": 25e6}}
+    anew = {"servo": {"kind": "mg996r"}, "board": {"clock": 26e6}, "description": "it"}
+    sealed = seals(tmp_path, {}, card, {})
+    assert seals(tmp_path, {}, card | anew, {}) == sealed
+    assert seals(tmp_path, {}, card | {"lift_angle": 0.2}, {}) != sealed

@@ -186,7 +186,7 @@ def test_more_than_any_sweep_has_is_refused_by_the_line(bound, tmp_path, monkeyp
     """It would take gigabytes."""
     monkeypatch.setattr(f"sim.sweeps.ledger.{bound}", 1)
     with opened(tmp_path / "ledger") as ledger:
-        ledger.add([FIRST, replace(SECOND, numbers={"y": 0.1})])
+        ledger.add([FIRST, replace(SECOND, numbers={"y": 0.1, "z": 0.2})])
     with pytest.raises(
         UsageError, match="line 2 is .*, no sweep has so many points or"
     ):

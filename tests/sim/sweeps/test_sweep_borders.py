@@ -236,6 +236,17 @@ def test_a_limit_of_time_and_a_closed_terminal_end_the_sweep_and_not_its_workers
     assert signal.pthread_sigmask(signal.SIG_BLOCK, []) == set()
 
 
+def test_what_makes_certificates_is_asked_for_before_anything_is_made(tmp_path):
+    out = tmp_path / "out"
+    without = "import sys; sys.modules['cryptography'] = None; from sim import start; "
+    words = ["sweep", str(write_sweep(tmp_path, "")), "--out", str(out)]
+    begin = [sys.executable, "-c", f"{without}sys.exit(start.main())", *words]
+    done = subprocess.run(begin, capture_output=True, text=True)
+    assert done.returncode == 2
+    assert "package 'cryptography' is not installed: the extra 'sweep'" in done.stderr
+    assert not out.exists()
+
+
 def test_a_process_that_workers_are_forked_from_complains_to_nobody():
     """In a program that only names it nothing is muted."""
     begin = "import sys, sim.sweeps.muted; print('complaint', file=sys.stderr)"

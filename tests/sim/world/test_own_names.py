@@ -45,6 +45,7 @@ def test_a_part_that_is_called_as_the_floor_that_joins_it_is_refused(edited, sce
 STANDING = """
 <geom name="obstacle_wall" type="box" size="0.1 0.1 0.1" pos="2 4 0"/>
 <geom name="obstacle_3_1" type="box" size="0.1 0.1 0.1" pos="3 3 0"/>
+<geom name="obstacle_0_1" type="box" size="0.1 0.1 0.1" pos="3 4 0"/>
 <body name="torso"
 """
 SENSED = """
@@ -60,7 +61,7 @@ HEAD = """
 def test_parts_that_are_called_as_obstacles_stay(edited, scenario, tmp_path):
     """Only those of a walk, which have contact sensors of their names, are replaced.
 
-    All three are watched.
+    All four are watched.
     """
     before = '<body name="torso"', STANDING, '<body name="leg_1"', HEAD
     robot = edited(*before, "</keyframe>\n</mujoco>", f"</keyframe>{SENSED}")
@@ -70,7 +71,7 @@ def test_parts_that_are_called_as_obstacles_stay(edited, scenario, tmp_path):
     assert setup.model.mesh("obstacle_head").id >= 0
     touches = Touches(setup.model)
     touches.read(np.ones((1, setup.model.nsensordata)))
-    assert touches.count == 3
+    assert touches.count == 4
     walked = tmp_path / "walked"
     walked.mkdir()
     (walked / "model.xml").write_text(setup.world.text)
