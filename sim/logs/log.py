@@ -163,8 +163,7 @@ def _table(path: Path, joints: Sequence[str] = ()) -> dict[str, Array]:
     head = text.lstrip("\r\n").partition("\n")[0]
     if text.count("\n") > MOST_NUMBERS or len(head) > LONGEST_HEAD:
         raise ValueError(f"more than {MOST_NUMBERS} lines, or too long a first one")
-    parted = max(",;\t", key=head.count)
-    lines = (row for row in csv_lines(text, parted) if row)
+    lines = filter(None, csv_lines(text, max(",;\t", key=head.count)))
     names = [n if n in joints else n.strip() for n in next(lines, [])]
     if TIME not in names:
         raise ValueError("no column 'time'; begin with a line of names: time, JOINT")
