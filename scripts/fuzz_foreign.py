@@ -141,7 +141,7 @@ def answers(folder: Path, rng: random.Random) -> list[str]:
     text = "25\n" + "".join(map(TEXTS["answer"].format, joints))
     write(folder / "told", mutated(text, rng))
     (folder / "calibration").mkdir()
-    (folder / "calibration" / "index.html").touch()
+    (folder / "calibration" / f"joint-{len(joints)}.png").touch()
     return ["calibrate", "hexapod-classroom", "--answers", "told"]
 
 
