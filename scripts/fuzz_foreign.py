@@ -156,8 +156,7 @@ def run_folder(folder: Path, rng: random.Random) -> list[str]:
         change = _json if path.suffix == ".json" else mutated
         write(path, change(path.read_text(), rng))
     if rng.random() < 0.8:
-        with suppress(Exception):  # what cannot be read cannot be sealed
-            _seal(folder / "mine")
+        _seal(folder / "mine")
     return [*rng.choice(TEXTS["readers"]), "mine"]
 
 
@@ -224,11 +223,14 @@ def _sealed(line: bytes, rng: random.Random) -> bytes:
 def _seal(folder: Path) -> None:
     """Seal a run's files as they are, as a stranger could who knows how."""
     own = import_module("sim.runs.seals")
-    table = import_module("models.description").parse_toml
-    told = json.loads((folder / "summary.json").read_text())
-    settings = table((folder / "scenario.toml").read_text())
-    told["seals"] = own.seals(folder, settings, told)
-    told["seals"][own.MODEL] = own.seal(folder / own.MODEL)
+    parsed = import_module("models.description").parse_toml
+    try:
+        tables = [parsed((folder / n).read_text()) for n in ("scenario.toml", own.CARD)]
+        told = {**json.loads((folder / "summary.json").read_text())}
+    except (ValueError, TypeError, RecursionError):  # what cannot be read
+        return
+    model = {own.MODEL: own.seal(folder / own.MODEL)}
+    told["seals"] = own.seals(folder, *tables, told) | model
     (folder / "summary.json").write_text(json.dumps(told))
 
 

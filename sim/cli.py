@@ -47,9 +47,8 @@ def _execute(words: Sequence[str]) -> int:
     import logging  # slow to import, and of no use to `--help`
 
     logging.getLogger("matplotlib").setLevel(logging.ERROR)  # no word of its fonts
+    os.environ["MATPLOTLIBRC"] = os.devnull  # settings of a person may ask for LaTeX
     if os.path.lexists("matplotlibrc"):  # Matplotlib would obey what lies in a folder
-        if own := os.environ.get("MATPLOTLIBRC"):
-            os.environ["MATPLOTLIBRC"] = os.path.abspath(own)
         with chdir(os.sep):
             import matplotlib  # noqa: F401 (it reads that file here alone)
     return int(options.execute(options) or ExitCode.OK)

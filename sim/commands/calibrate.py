@@ -26,6 +26,7 @@ MEGAHERTZ = 1e6  # [Hz]
 JOG = 20  # counts
 NONE = "-"
 MOST_MISTAKES = 100  # of a person at one question; a pipe may hold any number
+LONGEST_ANSWER = 200  # letters
 T = TypeVar("T")
 OUT = "calibration"  # the folder that files go to where none is named
 SKETCH, SCRIPT, PAGE, SHEET = "jog.ino", "bus.py", "index.html", "feet.svg"
@@ -212,7 +213,8 @@ class _Asker:
 
     def __init__(self, file: str | None) -> None:
         self._place = file or "standard input"
-        self._answer: Callable[[str], str] = input
+        self._is_asked = not file and sys.stdin.isatty()  # a person, even again
+        self._answer: Callable[[str], str] = input if self._is_asked else _line
         if file:
             try:
                 lines = iter(read_text(file).splitlines())
@@ -246,10 +248,13 @@ class _Asker:
         rest = "leave in it the answers that are yet to be used; "
         return rest * (not self._is_asked) + way_on()
 
-    @property
-    def _is_asked(self) -> bool:
-        """Whether a person answers, who is asked again."""
-        return self._answer is input and sys.stdin.isatty()
+
+def _line(question: str) -> str:
+    """The next line of standard input that no person types, which may have no end."""
+    print(question, end="", flush=True)
+    if not (line := sys.stdin.readline(LONGEST_ANSWER)):
+        raise EOFError
+    return line
 
 
 def _check(robot: Robot, kind: ServoKind, folder: RunFolder) -> Mapping[str, str]:

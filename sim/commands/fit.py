@@ -72,6 +72,7 @@ def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | No
     paths = [Path(name) for name in (rest if named else options.sources)]
     if not paths:
         raise UsageError.of("no_log", first, fit=command("fit", first, "LOG.csv"))
+    cli.require_different(paths)
     runs = {path: read_run(path) for path in paths if path.is_dir()}
     if not named and paths[0] not in runs:
         what = f"{first!r} is neither a robot nor a run, and a log names no robot"

@@ -5,10 +5,10 @@ import json
 import os
 import re
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from functools import partial
-from itertools import count
+from itertools import combinations, count
 from math import hypot, radians, tau
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -117,6 +117,13 @@ def reader_of(
     return partial(read_log, joints=card.joints, legs=robot.legs, angles=angles)
 
 
+def require_different(paths: Sequence[Path]) -> None:
+    """Refuse files or folders of which one is named twice, and would count twice."""
+    for path, other in combinations(paths, 2):
+        if path.resolve() == other.resolve():
+            raise UsageError("named twice", str(path), "name it once")
+
+
 def run_of(options: argparse.Namespace) -> Path:
     """The run that is asked for, or the newest of a folder; UsageError without one."""
     folder = Path(GUESSES["runs"].get(options.run, options.run))
@@ -131,16 +138,12 @@ def run_of(options: argparse.Namespace) -> Path:
 
 def runs_in(folder: Path) -> list[Path]:
     """Finished runs in a folder, the newest first."""
-    ended = folder.glob("*/summary.json")
-    newest = sorted(ended, key=lambda file: file.stat().st_mtime, reverse=True)
+    newest = sorted(folder.glob("*/summary.json"), key=os.path.getmtime, reverse=True)
     return [file.parent for file in newest]
 
 
 def kept_in(folder: Path, out: str | None) -> str:
-    """What a folder keeps of work that ends early, and the command that does it anew.
-
-    `out` is the name that `--out` gave it; the empty folder itself will be removed.
-    """
+    """What a folder, named by `out` or not, keeps of ended work, and how to redo it."""
     there = sorted(path.name for path in folder.glob("[!.]*"))
     if not there:
         return f"nothing is kept; start again: {again()}"

@@ -21,7 +21,7 @@ from sim.scenarios.settings import SETTINGS
 OPTIONS = ("-h", "--help", "--version")  # that need no command
 ONE_VALUE = (argparse._StoreAction, argparse.BooleanOptionalAction)
 PLACE = "stratawalk"
-PLACES = {"FILE": "a file", "DIR": "a folder", "FOLDER": "a folder"}
+NAMES = re.compile("FILE|DIR|FOLDER|CARD|TABLE|RUN|ROBOT|SCENARIO")  # not to be empty
 SWEPT = "for a sweep, list values in a file under [grid], as docs/sweeps.md shows"
 
 
@@ -67,10 +67,11 @@ class Parser(argparse.ArgumentParser):
                 raise UsageError.of("twice", self.prog, key=action.option_strings[-1])
         given, rest = super().parse_known_args(args, namespace)
         for action in self._actions:
-            kinds = (k for k in PLACES if k in str(action.metavar))
-            if getattr(given, action.dest, None) == "" and (kind := next(kinds, "")):
-                option, remedy = "".join(action.option_strings), f"name {PLACES[kind]}"
-                raise UsageError("an empty name", option or kind, remedy)
+            value, word = vars(given).get(action.dest), str(action.metavar)
+            empty = "" in value if isinstance(value, list) else value == ""
+            if empty and NAMES.search(word):
+                where = "".join(action.option_strings) or word
+                raise UsageError("an empty name", where, "give a name")
         for begun in getattr(given, "set", ()):
             if begun.startswith("goal="):
                 remedy = f"write --set {goal_setting([begun[5:], *rest])}"

@@ -137,7 +137,7 @@ def play(options: argparse.Namespace) -> ExitCode:
     from sim.logs.playing import scenario_of, within_reach
 
     robot = cli.robot_of(options, options.robot)
-    files = [Path(name) for name in options.files]
+    cli.require_different(files := [Path(name) for name in options.files])
     scenario = scenario_of(robot, files[0], cli.settings_of(options))
     read = cli.reader_of(options, robot, scenario)
     logs = [read(file) for file in files]

@@ -7,18 +7,12 @@ from math import degrees, inf, pi
 
 import numpy as np
 
-from models import SERVO_KINDS, Card, JointServo, ServoKind
-from models.description import (
-    BOARD_CLOCK,
-    BOARD_COUNTS as FRAME,
-    board_divider,
-    board_rate,
-    servo_of,
-)
+from models import SERVO_KINDS, Card, JointServo, ServoKind, description
 from planner import Array
 from sim.errors import UsageError
 from sim.export.servo_commands import ServoCommands
 
+FRAME = description.BOARD_COUNTS  # of a pulse and its pause
 FRAMES = (24.0, 1526.0)  # that a PCA9685 can give in a second
 TURN = 4096  # ticks of a Dynamixel in a turn, where nothing else is given
 NEAR = 1e-9  # [rad]; beyond a limit, for rounding
@@ -55,7 +49,7 @@ class ServoTable:
     channels: tuple[Channel, ...]  # one a joint
     largest: int  # count
     frame_rate: float = 0.0  # pulses a second; 0 for servos on a bus
-    clock: float = BOARD_CLOCK  # of the board that gives them [Hz]
+    clock: float = description.BOARD_CLOCK  # of the board that gives them [Hz]
     microseconds: bool = False  # of a pulse instead of counts
     assumed: bool = False  # channels and senses of servos that nobody has described
 
@@ -138,7 +132,7 @@ def servo_table(
     if pwm is not None and (make is None or (make.signal == "pulse") != pwm):
         make = PWM if pwm else None
     if make and pwm and FRAMES[0] <= rate <= FRAMES[1]:
-        make = make.at_rate(board_rate(rate, card.board_clock))
+        make = make.at_rate(description.board_rate(rate, card.board_clock))
     if make and pwm and given is None:
         known = _in_frames(card, make)
     servos = [
@@ -157,12 +151,12 @@ def servo_table(
 
 def _in_frames(card: Card, make: ServoKind) -> dict[str, JointServo]:
     """Servos of a card, their counts those of a make's frames, which may be longer."""
-    now = board_divider(make.command_rate, card.board_clock)
+    now = description.board_divider(make.command_rate, card.board_clock)
     then, own = card.board_divider, card.servo
     if not then and own and own.made:
-        built = servo_of(own.made, own.data)
+        built = description.servo_of(own.made, own.data)
         pulse, rate = built.signal == "pulse", built.command_rate
-        then = board_divider(rate, card.board_clock) if pulse else now
+        then = description.board_divider(rate, card.board_clock) if pulse else now
     finer, found = (then or now) / now, {}
     for joint, servo in card.joint_servos.items():
         center, counts = servo.center, servo.counts_per_radian
@@ -176,7 +170,7 @@ def _require_counts(joints: Sequence[str], known: Mapping[str, JointServo]) -> N
     for joint in joints:
         servo = known.get(joint, JointServo())
         if servo.counts_per_radian is None or servo.center is None:
-            raise UsageError.of("bus", "--format", joint=joint)
+            raise UsageError.of("bus", "the robot's card", joint=joint)
 
 
 def _channel(

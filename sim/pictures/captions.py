@@ -1,6 +1,6 @@
 """Captions of a film: clock, stratum, contacts, margin, errors, scales and cards."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from textwrap import wrap
 
@@ -112,8 +112,10 @@ def _bar(walk: Run, playback: float) -> legend.Panel:
     for end, label in zip(ends, (speed, *numbers), strict=True):
         legend.text(draw, (end, 54), label, anchor="ra", colour=palette.FAINT)
 
+    noun = legend.noun(walk)
+
     def write(draw: legend.Draw, row: int) -> None:
-        words = describe(walk.phases[walk.phase[row]], walk.groups, walk.legs_per_group)
+        words = describe(walk.phases[walk.phase[row]], walk.card.groups, noun)
         words = legend.fitting(words, ends[-1] - COLUMN - legend.PAD, legend.MIDDLE)
         legend.text(draw, (legend.PAD, 12), words, legend.MIDDLE)
         for foot, leg in enumerate(walk.legs):
@@ -137,7 +139,7 @@ def _lamp(
     legend.text(draw, (x, y), leg, 14, "mm", colour.ink if touches else palette.TEXT)
 
 
-def describe(flow: WalkedPhase, groups: Sequence[str], legs_per_group: int) -> str:
+def describe(flow: WalkedPhase, groups: Iterable[str], noun: str) -> str:
     """A clause for groups that do the same: `tripod 1 stands, tripod 2 lifts`."""
     doing: dict[str, list[str]] = {}
     for group in groups:
@@ -148,7 +150,7 @@ def describe(flow: WalkedPhase, groups: Sequence[str], legs_per_group: int) -> s
     for verb, (*others, last) in doing.items():
         names = f"s {', '.join(others)} and {last}" if others else f" {last}"
         words = verb.format(s="" if others else "s")
-        clauses.append(f"{legend.noun(legs_per_group)}{names} {words}")
+        clauses.append(f"{noun}{names} {words}")
     return ", ".join(clauses)
 
 

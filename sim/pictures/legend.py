@@ -124,7 +124,7 @@ def entries(walk: Run) -> list[tuple[str, Colour]]:
     """Labels and colours of what viewer and replay show."""
     paths = [palette.PREDICTED[name] for name in walk.drawn]
     path, end = walk.path_labels
-    groups, front = noun(walk.legs_per_group), nose(walk)
+    groups, front = noun(walk), nose(walk)
     return [
         *([("nose, the front", front)] if front else []),
         (path, palette.NOMINAL.colour),
@@ -134,14 +134,15 @@ def entries(walk: Run) -> list[tuple[str, Colour]]:
         ("support polygon, weight outside", palette.LIMIT),
         *(
             (f"legs of {groups} {group}; their footprints are paler", palette.group(i))
-            for i, group in enumerate(walk.groups)
+            for i, group in enumerate(walk.card.groups)
         ),
     ]
 
 
-def noun(legs_per_group: int) -> str:
-    """What a group of so many legs is called; 0 where the groups differ."""
-    return NOUNS.get(legs_per_group, "group")
+def noun(walk: Run) -> str:
+    """What a group of legs is called, after how many all groups have."""
+    size, *others = {len(group.legs) for group in walk.card.groups.values()}
+    return "group" if others else NOUNS.get(size, "group")
 
 
 def nose(walk: Run) -> Colour | None:

@@ -172,7 +172,7 @@ def _telling(line: Array, frames: Array) -> Array:
 def _footprints(walk: Run, clock: Clock) -> Iterator[Mark]:
     """Where feet stood and how they slipped, thrice: palest and for ever below."""
     for age, (strength, life) in enumerate(FADING):
-        for group, name in enumerate(walk.groups):
+        for group, name in enumerate(walk.card.groups):
             feet = np.flatnonzero(np.equal(walk.group_of_foot, group)).tolist()
             stands = [s for foot in feet for s in _stands(walk, clock, foot)]
             ink = palette.group(group).tint(strength)

@@ -95,14 +95,14 @@ def _finite(values: Array, digits: int) -> list[float | None]:
 
 def _sequence(run: Run) -> Iterator[tuple[int, list[tuple[str, WalkedPhase]]]]:
     """Number of each segment, from 1, and its phases, with strata that are new."""
-    last = ""
+    last, groups = "", run.card.groups
     for segment, phases in groupby(run.phases, key=lambda phase: phase.segment):
         steps = []
         for phase in phases:
             stratum = phase.stratum
             if phase.kind == "land":  # that of all who stand once it is over
                 pair = phase.stratum, phase.group
-                stratum = "".join(g for g in run.groups if any(g in s for s in pair))
+                stratum = "".join(g for g in groups if any(g in s for s in pair))
             steps.append(("" if stratum == last else stratum, phase))
             last = stratum
         yield segment + 1, steps

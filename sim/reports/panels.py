@@ -144,7 +144,7 @@ def _margin(run: Run) -> Drawing:
 def _slip(run: Run) -> Drawing:
     best, owners = PREDICTIONS[run.best], np.array(run.group_of_foot)
     curves: list[Curve] = []
-    for i, group in enumerate(run.groups):
+    for i, group in enumerate(run.card.groups):
         colour, legs = palette.group(i).hex, np.array(run.legs)[owners == i]
         key = Key(f"group {group}, legs {', '.join(map(str, legs))}", colour)
         foreseen: Style = {"color": colour, "ls": ":", "lw": 0.9}
@@ -184,7 +184,7 @@ def _contacts(run: Run) -> Drawing:
         shown = [
             *(
                 (f"feet of group {g}", palette.group(i).hex)
-                for i, g in enumerate(run.groups)
+                for i, g in enumerate(run.card.groups)
             ),
             *((f"stratum {name}", c) for name, c in of_stratum.items() if c in STRATA),
             ("not as planned", LIMIT),
@@ -209,7 +209,7 @@ def _bars(axes: "Axes", spells: Array, y: float, high: float, colour: str) -> No
 
 def _of_stratum(run: Run, stratum: str, index: int) -> str:
     """Colour of the only group that stands, else a grey."""
-    standing = [i for i, name in enumerate(run.groups) if name in stratum]
+    standing = [i for i, name in enumerate(run.card.groups) if name in stratum]
     if len(standing) == 1:
         return palette.group(standing[0]).hex
     return STRATA[index % len(STRATA)]

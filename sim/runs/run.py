@@ -21,6 +21,7 @@ from sim.evaluation import flows
 from sim.evaluation.flows import WalkedPhase
 from sim.evaluation.summary import Summary
 from sim.feedback.stops import Stop, read as read_stops
+from sim.folder import blamed_on
 from sim.motion.poses import compose, rotate, wrap
 from sim.runs.arrays import archive, plain_json, reading
 from sim.runs.seals import MODEL, seal, seals
@@ -210,21 +211,10 @@ class Run:
         """Numbers of the legs, in the order of every array's feet."""
         return tuple(sorted(self.card.legs))
 
-    @property
-    def groups(self) -> tuple[str, ...]:
-        """Names of the groups of legs."""
-        return tuple(self.card.groups)
-
     @cached_property
     def group_of_foot(self) -> tuple[int, ...]:
         """Index of each foot's group, feet in ascending order of their legs."""
         return tuple(self.card.group_of_leg.values())
-
-    @property
-    def legs_per_group(self) -> int:
-        """How many legs every group has; 0 where the groups differ."""
-        size, *others = {len(group.legs) for group in self.card.groups.values()}
-        return 0 if others else size
 
     @cached_property
     def reach(self) -> float:
@@ -261,7 +251,7 @@ def read_run(folder: Path, *, inspected: bool = False) -> Run:
     before anything else does, unless that has been done.
     """
     stops = folder / "feedback.csv"
-    with reading(folder):
+    with blamed_on(folder), reading(folder):
         open_file(folder / MODEL).close()  # without which nothing can be shown
         card = read_text(folder / "model.toml")
         feet = len(description.parse_card(card, str(folder / "model.toml")).legs)

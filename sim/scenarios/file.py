@@ -77,6 +77,9 @@ def scenario_table(source: str) -> tuple[Values, str]:
     write = f"write one: stratawalk scenarios line > {quote(f'{source}.toml')}"
     path = find(source, FOLDER, "scenario", "SCENARIO", write)
     table = {"name": path.stem, **read_toml(path)}
+    if table.keys() & OF_SWEEPS:
+        on = command("sweep", path, "--out", f"sweeps/{path.stem}")
+        raise UsageError("a sweep and no scenario", str(path), on)
     anchor(table, path.parent)
     return table, str(path) if path.parent != FOLDER else f"scenario {source!r}"
 
@@ -98,9 +101,6 @@ def scenario_from(
         values.pop("description", None)
     if "state" in values or "strata" in values:
         raise UsageError.of("a_system", where)
-    if values.keys() & OF_SWEEPS:
-        on = command("sweep", where, "--out", f"sweeps/{Path(where).stem}")
-        raise UsageError("a sweep and no scenario", where, on)
     for key in values:
         if key not in KEYS:
             near = did_you_mean(CALLED.get(key, key), KEYS)

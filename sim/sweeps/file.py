@@ -132,8 +132,8 @@ def _scenario(table: Table, path: Path) -> Table:
         raise UsageError(f"unknown key {key!r}", str(path), did_you_mean(key, KEYS))
     if not isinstance(named, str):
         raise UsageError(f"scenario = {named!r} is no name", str(path), remedy)
-    beside = path.parent / named
-    return scenario_table(str(beside) if beside.is_file() else named)[0]
+    here = path.parent / named  # unless it is shipped, by a name without a dot
+    return scenario_table(str(here) if here.suffix and here.is_file() else named)[0]
 
 
 def _inner(table: Table, key: str) -> Table:

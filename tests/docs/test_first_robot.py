@@ -1,6 +1,7 @@
 """The page of the first robot: its commands run one after another, as shown."""
 
 import shlex
+from types import SimpleNamespace
 
 import pytest
 
@@ -31,6 +32,7 @@ def told(monkeypatch):
         print(question + told)
         return told
 
+    monkeypatch.setattr("sys.stdin", SimpleNamespace(isatty=lambda: True))
     monkeypatch.setattr("builtins.input", owner)
 
 

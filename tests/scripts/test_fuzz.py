@@ -36,3 +36,12 @@ def test_logs_are_played_and_fitted_before_they_are_changed(begun, draw, command
 def test_a_sweep_is_read_as_far_as_its_folder(begun, capsys):
     assert begun("sweep", 0) == ("sweep", 2)
     assert "already exists: .; choose another folder" in capsys.readouterr().err
+
+
+def test_a_run_that_is_changed_is_sealed_again(begun, monkeypatch):
+    """Or no change would come farther than to the seals."""
+    lines = iter(["flows.csv", ["cite"]])
+    monkeypatch.setattr(random.Random, "choice", lambda self, choices: next(lines))
+    monkeypatch.setattr(fuzz_foreign, "mutated", lambda text, _: text + "\n")
+    assert begun("run", 1) == ("cite", 0)
+    assert random.Random(1).random() < 0.8

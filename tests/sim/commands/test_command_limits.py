@@ -129,6 +129,13 @@ def test_an_answer_of_a_pipe_that_cannot_be_used_ends_all(monkeypatch):
         _Asker(None)("which? ", int)
 
 
+def test_an_answer_of_a_pipe_without_end_is_not_held(monkeypatch):
+    endless = SimpleNamespace(isatty=lambda: False, readline=lambda size: "z" * size)
+    monkeypatch.setattr(sys, "stdin", endless)
+    with pytest.raises(UsageError, match="cannot be used, .* 'zzz"):
+        _Asker(None)("which? ", int)
+
+
 def test_answers_of_a_file_that_end_are_not_to_be_given_again(tmp_path):
     file = tmp_path / "answers"
     file.write_text("3\n")

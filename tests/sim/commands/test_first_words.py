@@ -152,3 +152,24 @@ def test_examples_stand_on_one_line_of_the_help(name, capsys, monkeypatch):
         line for line in capsys.readouterr().out.splitlines() if "for example" in line
     )
     assert line == f"for example: {' '.join(COMMANDS[name]['example'].split())}"
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("show", ""),
+        ("film", ""),
+        ("play", "hexapod", ""),
+        ("fit", "hexapod", "a.csv", "--out", ""),
+    ],
+)
+def test_nothing_is_called_by_an_empty_name(stratawalk, words):
+    """The newest run was shown, and the working folder read."""
+    code, _, said = stratawalk(*words)
+    assert (code, "an empty name: " in said) == (2, True)
+
+
+@pytest.mark.parametrize("command", ["play", "fit"])
+def test_a_log_that_is_named_twice_does_not_count_twice(stratawalk, command):
+    code, _, said = stratawalk(command, "hexapod", "a", "./a")
+    assert (code, "named twice: a; name it once" in said) == (2, True)

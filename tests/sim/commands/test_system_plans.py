@@ -76,4 +76,4 @@ def test_a_plan_is_saved_last_so_that_the_command_can_be_given_again(
 
 def test_saved_plan_has_a_name(stratawalk):
     code, _, err = stratawalk("plan", "car", "--save", "")
-    assert (code, "an empty name: --save; name a file" in err) == (2, True)
+    assert (code, "an empty name: --save; give a name" in err) == (2, True)

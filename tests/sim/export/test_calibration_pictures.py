@@ -1,6 +1,7 @@
 """Pictures and the printed sheet by which servos are found."""
 
 import errno
+import io
 import os
 import re
 from contextlib import nullcontext
@@ -151,19 +152,13 @@ def test_the_name_of_a_folder_commands_no_terminal(tmp_path, monkeypatch, capsys
 def test_a_pipe_that_does_not_answer_a_question_is_left_at_once(
     tmp_path, monkeypatch, capsys
 ):
-    asked = []
-
-    def answer(question):
-        asked.append(question)
-        assert len(asked) < 1000
-        return "y"
-
-    monkeypatch.setattr("builtins.input", answer)
+    pipe = io.StringIO("y\n" * 1000)
+    monkeypatch.setattr("sys.stdin", pipe)
     monkeypatch.setattr("sim.commands.calibrate.draw", lambda *_, **__: None)
     assert main(["calibrate", ROBOT, "--out", str(tmp_path / "a")]) == 2
     said = capsys.readouterr().err
     assert "an answer that cannot be used, " in said
-    assert len(asked) == 1
+    assert pipe.tell() == len("y\n")
     assert "keeps 0 of 12 servos; go on: stratawalk calibrate" in said
 
 

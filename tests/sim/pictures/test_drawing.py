@@ -9,6 +9,7 @@ from sim.pictures.camera import HEIGHT, VIEW_DISTANCE, WIDTH, camera
 from sim.pictures.captions import describe
 from sim.pictures.clock import FILM_LENGTH, FRAME_RATE, RESULTS, TAIL, TITLE, clock
 from sim.pictures.drawing import CORNERS, dashes, discs, join, polygons, ribbon
+from sim.pictures.legend import noun
 from tests.finished_runs import phase
 from tests.screen import on_screen
 
@@ -184,22 +185,23 @@ def test_the_camera_moves_calmly():
     ],
 )
 def test_a_stratum_is_put_into_words(flow, words):
-    assert describe(flow, "12", legs_per_group=3) == words
+    assert describe(flow, "12", "tripod") == words
 
 
 def test_groups_that_swing_together_are_named_together():
-    words = describe(phase("swing", "12", "12"), "12", legs_per_group=3)
+    words = describe(phase("swing", "12", "12"), "12", "tripod")
     assert words == "tripods 1 and 2 swing the body"
 
 
 def test_legs_that_do_the_same_are_named_together():
-    words = describe(phase("swing", "134", "2"), "1234", legs_per_group=1)
+    words = describe(phase("swing", "134", "2"), "1234", "leg")
     assert words == "legs 1, 3 and 4 stand, leg 2 swings in the air"
 
 
 @pytest.mark.parametrize(
-    ("legs", "noun"), [(1, "leg"), (2, "pair"), (4, "tetrapod"), (0, "group")]
+    ("legs", "called"), [(1, "leg"), (2, "pair"), (4, "tetrapod"), (9, "group")]
 )
-def test_a_group_is_called_after_its_number_of_legs(legs, noun):
-    words = describe(phase("lift", "1", "2"), "12", legs)
-    assert words == f"{noun} 1 stands, {noun} 2 lifts"
+def test_a_group_is_called_after_its_number_of_legs(legs, called):
+    group = SimpleNamespace(legs=range(legs))
+    card = SimpleNamespace(groups={"1": group, "2": group})
+    assert noun(SimpleNamespace(card=card)) == called

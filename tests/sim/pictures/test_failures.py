@@ -1,5 +1,6 @@
 """Every way in which filming fails: one clear line, and never half a film."""
 
+import json
 import os
 import re
 import time
@@ -121,6 +122,13 @@ def test_a_model_without_a_foot_of_the_card_is_refused(folder):
     sealed(folder)
     with pytest.raises(UsageError, match="its files do not fit together"):
         film_folder(folder, stretch=(0.0, 1.0))
+
+
+def test_a_summary_of_another_form_is_refused_whoever_reads_it(folder):
+    path = folder / "summary.json"
+    path.write_text(json.dumps(json.loads(path.read_text()) | {"predicted": 1.5}))
+    with pytest.raises(UsageError, match="its files do not fit together"):
+        read_run(folder)
 
 
 def test_a_folder_without_a_scenario_is_no_run(folder):

@@ -8,6 +8,7 @@ import pytest
 
 from sim.feedback.stops import Stop
 from sim.motion.poses import compose
+from sim.pictures.legend import noun
 from sim.runs.run import read_run
 
 
@@ -52,13 +53,11 @@ def test_errors_are_achieved_less_predicted(run):
 
 def test_legs_and_groups_are_those_of_the_card(run):
     assert run.legs == (1, 2, 3, 4, 5, 6)
-    assert run.groups == ("1", "2")
-    assert run.legs_per_group == 3
+    assert noun(run) == "tripod"
     for leg, group in zip(run.legs, run.group_of_foot, strict=True):
-        assert leg in run.card.groups[run.groups[group]].legs
+        assert leg in [*run.card.groups.values()][group].legs
     odd = {"1": SimpleNamespace(legs=(1, 2)), "2": SimpleNamespace(legs=(3,))}
-    view = SimpleNamespace(card=SimpleNamespace(groups=odd))
-    assert type(run).legs_per_group.fget(view) == 0
+    assert noun(SimpleNamespace(card=SimpleNamespace(groups=odd))) == "group"
     assert run.segments == 2
 
 

@@ -46,6 +46,22 @@ def test_a_sweep_may_play_a_motion_that_lies_beside_it(tmp_path):
     assert read_sweep(str(path)).at(1).motion == str(tmp_path / "gait.csv")
 
 
+def test_a_shipped_scenario_is_meant_by_its_name_wherever_the_sweep_lies(tmp_path):
+    (tmp_path / "line").write_text('motion = "gait.csv"\n')
+    path = tmp_path / "own.toml"
+    path.write_text('scenario = "line"\n[grid]\nfriction = [0.5, 1.0]\n')
+    assert read_sweep(str(path)).at(1).motion is None
+
+
+def test_a_sweep_of_a_sweep_is_told_which_file_that_is(tmp_path):
+    write_sweep(tmp_path, "[grid]\nfriction = [0.5, 1.0]")
+    path = tmp_path / "twice.toml"
+    path.write_text('scenario = "small.toml"\n[grid]\nfriction = [0.5, 1.0]\n')
+    said = "a sweep and no scenario: .*small.toml; stratawalk sweep .*/small.toml"
+    with pytest.raises(UsageError, match=said):
+        read_sweep(str(path))
+
+
 def test_a_robots_file_is_found_from_the_sweeps_folder(tmp_path):
     sweep = read_sweep(
         str(write_sweep(tmp_path, '[grid]\nrobot = ["hexapod", "mine.xml"]'))
