@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from models import JointServo, Robot, ServoKind, description, load
-from planner.support import read_text
+from planner.support import read_text, unfinished
 from sim.commands import options as cli
 from sim.commands.declared import real, whole as counted
 from sim.endings import again, command, keeping, way_on
@@ -100,7 +100,8 @@ def _owned(robot: Robot, folder: RunFolder, options: argparse.Namespace) -> Robo
         spec = robot.read()
         spec.compile()
         folder.write_text(own.with_suffix(".toml").name, robot.card_text)
-        folder.write_text(own.name, spec.to_xml())
+        with unfinished(own.with_suffix(".toml")):
+            folder.write_text(own.name, spec.to_xml())
     return load(str(own), allow_external=options.allow_external)
 
 

@@ -20,6 +20,7 @@ import numpy as np
 from models import Robot
 from models.description import parse_toml, toml_text, without_tables
 from planner import Array
+from planner.support import unfinished
 from sim.errors import SimulationError, UsageError
 from sim.fitting.estimate import Estimates, best_of, estimate, together
 from sim.fitting.makes import SERVO, one_make, shared_make
@@ -211,6 +212,6 @@ def write_card(robot: Robot, card: Path, text: str) -> str:
     alone = robot.is_shipped or robot.opened.files in ((), (robot.path,))
     if not alone or robot.has_card_inside:
         return f"{card}; put it in the place of the robot's own card"
-    with whole(model, new=True) as part:
+    with unfinished(card), whole(model, new=True) as part:
         part.write_text(robot.read().to_xml(), "utf-8")
     return f"{card}; use it as --robot {model}"

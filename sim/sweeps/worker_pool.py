@@ -276,6 +276,7 @@ async def _greet(scheduler: str) -> None:
 
 def _local(stack: ExitStack, workers: int) -> LocalCluster:
     """A scheduler in this process, and workers that obey nobody else on the machine."""
+    os.getcwd()  # an error of its own where it is gone; no worker would start there
     folder = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
     try:
         with deaf([signal.SIGXCPU, signal.SIGHUP]):  # which end it, no point

@@ -15,6 +15,7 @@ from models import Kinematics, load
 from sim.cli import main
 from sim.errors import FilesError, RenderError
 from sim.export import calibration
+from tests.commands import full_disk
 from tests.hostile import named_otherwise
 
 ROBOT = "hexapod-classroom"
@@ -206,3 +207,10 @@ def test_a_picture_that_is_interrupted_leaves_nothing(tmp_path, monkeypatch):
     with pytest.raises(KeyboardInterrupt):
         calibration.draw(load(ROBOT), tmp_path, allow_external=False)
     assert [path.name for path in tmp_path.iterdir()] == ["joint-1.png"]
+
+
+def test_a_card_whose_robot_finds_no_room_is_not_left_alone(tmp_path, monkeypatch):
+    """Or the command that is told to go on is refused because of it."""
+    monkeypatch.setattr("mujoco.MjSpec.to_xml", full_disk)
+    assert main(["calibrate", ROBOT, "--out", str(tmp_path / "mine")]) == 6
+    assert not [*tmp_path.rglob("*.toml")]

@@ -5,6 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from models import load
+from sim.errors import UsageError
 from sim.fitting import fitting
 from sim.fitting.fitting import write_card
 from sim.preparation.setup import prepare
@@ -63,6 +65,14 @@ def test_a_robot_of_several_files_or_one_with_its_card_keeps_its_model(tmp_path)
             f"{card}; use it as --robot {model}" if alone else f"{card}{told}"
         )
         assert model.exists() == alone
+
+
+def test_a_card_whose_robot_cannot_be_written_is_not_left_alone(tmp_path):
+    """Or the command that is told to go on is refused because of it."""
+    (tmp_path / "found.xml").touch()
+    with pytest.raises(UsageError, match="found.xml"):
+        write_card(load("hexapod"), tmp_path / "found.toml", "a = 1\n")
+    assert not (tmp_path / "found.toml").exists()
 
 
 def test_a_walk_is_fitted_in_rounds_each_in_the_world_that_the_last_one_found(

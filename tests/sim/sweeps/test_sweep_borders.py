@@ -274,3 +274,13 @@ def spied(asked):
         return whole(path, size, **given)
 
     return noted
+
+
+def test_no_worker_is_begun_in_a_folder_that_is_gone(tmp_path, monkeypatch):
+    """They would die as they start, for which memory is blamed."""
+    gone = tmp_path / "gone"
+    gone.mkdir()
+    monkeypatch.chdir(gone)
+    gone.rmdir()
+    with pytest.raises(FileNotFoundError), ExitStack() as stack:
+        worker_pool._local(stack, 1)
