@@ -17,7 +17,6 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-from scipy.linalg import expm
 
 from planner import Array
 from sim.drive.feed_forward import leg_actuators
@@ -59,35 +58,29 @@ class Commanded:
         asked = np.tile(self.angle, (1, lanes)) + servos[..., 4].ravel()
         asked[1:] = (asked[1:] + asked[:-1]) / 2  # of a step, its middle
         load = np.tile(self.load, (1, lanes))
-        zero, one = np.zeros_like(k), np.ones_like(k)
-        held = expm(self.step * _rows((zero, one), (-k / inertia, -d / inertia)))
-        free = expm(self.step * _rows((zero, one), (zero, -d / inertia)))
-        (_, held_v), (held_p, held_t) = np.moveaxis(held, 0, -1)
-        held_q, free_v, free_s = held[:, 0, 0], free[:, 0, 1], free[:, 1, 1]
-        falls, slows = (self.step - free_v) / d, (1 - free_s) / d  # under a unit's load
-        bent, angle = load / k, np.empty_like(asked)
-        q, v = asked[0] - bent[0] - np.sign(load[0]) * w, zero
-        s, u = -np.sign(load[0]) * b, zero  # of the leg, from the motor
+        held, free = (_step(c / inertia, d / inertia, self.step) for c in (k, 0 * k))
+        pulled, falls = np.array([1 - held[0, 0], -held[1, 0]]), self.step - free[0, 1]
+        falls = np.array([falls, 1 - free[1, 1]]) / d  # under a unit's load
+        held_v, free_v = (m[:, 1] - [[0.0], [1.0]] for m in (held, free))
+        falls, bent, angle = load[:, None] * falls, load / k, np.empty_like(asked)
+        x = np.array([asked[0] - bent[0] - np.sign(load[0]) * w, 0 * k])
+        s, u = -np.sign(load[0]) * b, 0 * k  # of the leg, from the motor
         kept = np.exp(-self.step * RUBBED / np.tile(self.leg, lanes))
         fallen = load * (1 - kept) / RUBBED
         for t in range(len(asked)):
-            e = asked[t] - q
+            e = asked[t] - x[0]
             rest = e - np.minimum(np.maximum(e, -w), w) - bent[t]
-            held_turn = rest - held_q * rest + held_v * v
-            held_speed = held_t * v - held_p * rest
-            free_turn = free_v * v - falls * load[t]
-            free_speed = free_s * v - slows * load[t]
+            held, free = pulled * rest + held_v * x[1], free_v * x[1] - falls[t]
             before = np.abs(e) - w
-            after = np.abs(e - np.where(before > 0, held_turn, free_turn)) - w
+            after = np.abs(e - np.where(before > 0, held[0], free[0])) - w
             out = np.maximum(before, 0) + np.maximum(after, 0)  # of the band, of a step
             out /= np.abs(before) + np.abs(after) + NOTHING
-            q = q + free_turn + out * (held_turn - free_turn)
-            u, v = u + v, free_speed + out * (held_speed - free_speed)
-            u = kept * (u - v) - fallen[t]
+            x += (moved := free + out * (held - free))
+            u = kept * (u - moved[1]) - fallen[t]
             loose = s + self.step * u
             s = np.minimum(np.maximum(loose, -b), b)
             u = np.where(s == loose, u, 0.0)
-            angle[t] = q + s
+            angle[t] = x[0] + s
         return self._at(angle, rows, servos)
 
     def _at(self, angle: Array, rows: Array, servos: Array) -> Array:
@@ -101,9 +94,14 @@ class Commanded:
         return (1 - part) * angle[before, lane] + part * angle[before + 1, lane]
 
 
-def _rows(*rows: tuple[Array, Array]) -> Array:
-    """Matrices (L, 2, 2) of rows of numbers a lane."""
-    return np.moveaxis(np.array(rows), -1, 0)
+def _step(k: Array, d: Array, step: float) -> Array:
+    """What x and v become of x and v in a step of v' = -k x - d v, (2, 2, L)."""
+    far = -d / 2 - np.sqrt(d**2 / 4 - k + 0j)  # the characteristic roots
+    near = k / far
+    apart, grown = step * (far - near), np.exp(step * near)
+    same = apart == 0
+    both = step * grown * np.where(same, 1, np.expm1(apart) / (apart + same))
+    return np.array([[grown - near * both, both], [-k * both, grown + far * both]]).real
 
 
 def on_stand(setup: Setup, log: Log) -> Commanded:
