@@ -16,32 +16,13 @@ from typing import Any
 
 import sympy as sp
 
-from planner.errors import PlannerError, installing, message
+from planner.errors import PlannerError, installing, message, shipped_tables
 from planner.numerics.arrays import Array
 from planner.support.stopping import tick
 
 Expression = Any  # of CasADi, or the module itself, which have no types
 
-QUIET = {
-    "ipopt.print_level": 0,
-    "ipopt.sb": "yes",
-    "ipopt.option_file_name": "",  # or what lies in the working folder is obeyed
-    "print_time": False,
-    "ipopt.max_iter": 250,
-    "ipopt.tol": 1e-6,
-    "ipopt.acceptable_iter": 0,
-}
-
-WARM = {  # close to where a solution is known to be
-    "ipopt.mu_init": 1e-6,
-    "ipopt.warm_start_init_point": "yes",
-    "ipopt.warm_start_bound_push": 1e-8,
-    "ipopt.warm_start_bound_frac": 1e-8,
-    "ipopt.warm_start_slack_bound_push": 1e-8,
-    "ipopt.warm_start_slack_bound_frac": 1e-8,
-    "ipopt.warm_start_mult_bound_push": 1e-8,
-}
-
+QUIET, WARM = shipped_tables("planner.optimisation", "ipopt.toml").values()
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGXCPU)
 SAME_NAME = (
     "sin", "cos", "tan", "exp", "log", "sqrt", "sinh", "cosh", "tanh", "atan2", "sign",

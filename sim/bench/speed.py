@@ -24,7 +24,7 @@ import numpy as np
 from models import SYSTEMS, equations, load, shipped_robots, shipped_system
 from planner import Execution, Plan, degree, extend, hall_basis, line, plan, rollout
 from planner.lie import lie_algebra, place, structure_constants
-from planner.support import best_so_far, limited
+from planner.support import best_so_far, limited, shipped_tables
 from sim.optimisation.judging import Judge
 from sim.physics.engine import STRETCH, Engine
 from sim.physics.measure import Sensors
@@ -42,14 +42,7 @@ STRIDE = 0.004  # of each segment in x and in y [m]
 STEPS = 20_000  # of physics in each measurement: a third of a second
 FIRST_PLAN_LIMIT = 600.0  # [s]
 Wanted = tuple[dict[str, Any], float]  # settings of a walk, and most seconds
-WALKS: Mapping[str, Wanted] = {
-    "19 mm and 0.17 rad": ({"path_tolerance": 0.019, "yaw_tolerance": 0.17}, 72.5),
-    "overlapped recovery": ({"overlap_recovery": True}, 57.0),
-    "10 mm, yaw free, overlapped recovery": (
-        {"overlap_recovery": True, "path_tolerance": 0.01, "yaw_tolerance": 3.2},
-        28.0,
-    ),
-}
+WALKS: Mapping[str, Wanted] = shipped_tables("sim.bench", "optimised.toml")
 
 
 @dataclass(frozen=True, slots=True)

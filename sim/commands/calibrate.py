@@ -1,15 +1,16 @@
 """`stratawalk calibrate`: find a robot's servos one at a time, and write its card."""
 
 import argparse
+import os
 import sys
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import nullcontext, redirect_stdout
+from contextlib import nullcontext, redirect_stdout, suppress
 from math import degrees
 from pathlib import Path
 from typing import TypeVar
 
 from models import JointServo, Robot, ServoKind, description, load
-from planner.support import read_text, unfinished
+from planner.support import read_file, read_text, unfinished
 from sim.commands import options as cli
 from sim.commands.declared import real, whole as counted
 from sim.endings import again, command, keeping, way_on
@@ -38,7 +39,7 @@ def calibrate(options: argparse.Namespace) -> None:
     kind = _kind(robot)
     folder = RunFolder(ensure_folder(out := Path(options.out)))
     if not any((out / tool).exists() for tool in (SKETCH, SCRIPT)):
-        for name in (PAGE, SHEET):
+        for name in [PAGE, SHEET] * (not options.check):
             require_free(out / name, "--out")
     robot = _owned(robot, folder, options)
     if options.check:
@@ -72,11 +73,11 @@ def _prepare(
         MIDDLE=kind.at_rate(description.board_rate(rate)).center,
         JOG=JOG,
     )
-    folder.write_text(tool, f"{text}\n")
+    _write(folder, tool, f"{text}\n")
     rows = [(j, *map(degrees, marks(robot, j))) for j in robot.card.joints]
     page = render("calibration.html", title=f"Calibration of {robot}", rows=rows)
-    folder.write_text(PAGE, page)
-    folder.write_text(SHEET, sheet(robot))
+    _write(folder, PAGE, page)
+    _write(folder, SHEET, sheet(robot))
     if (folder.path / f"joint-{len(rows)}.png").exists():  # the last one
         return
     with cli.working(options, "drawing the joints"):
@@ -84,6 +85,19 @@ def _prepare(
             draw(robot, folder.path, allow_external=options.allow_external)
         except RenderError as error:
             cli.notice(str(error), "warning")
+
+
+def _write(folder: RunFolder, name: str, text: str, stays: bool = True) -> None:
+    """Write a file, unless another, which stays or is refused, has its name."""
+    path = folder.path / name
+    with suppress(OSError):
+        if read_file(path) == text.encode():
+            return
+    if stays and os.path.lexists(path):
+        cli.notice(f"{path} stays as it is; remove it to have it written anew")
+        return
+    require_free(path, "--out")
+    folder.write_text(name, text)
 
 
 def _owned(robot: Robot, folder: RunFolder, options: argparse.Namespace) -> Robot:
@@ -213,21 +227,20 @@ class _Asker:
     """Asks on the terminal, or reads the lines of a file in place of answers."""
 
     def __init__(self, file: str | None) -> None:
-        self._place = file or "standard input"
+        self._place, self._lines = file or "standard input", iter(_typed, "")
         self._is_asked = not file and sys.stdin.isatty()  # a person, even again
-        self._answer: Callable[[str], str] = input if self._is_asked else _line
         if file:
             try:
-                lines = iter(read_text(file).splitlines())
+                self._lines = iter(read_text(file).splitlines())
             except (OSError, ValueError) as error:
                 raise UsageError.at(file, error, "give answers, a line each") from error
-            self._answer = lambda _: next(lines)
 
     def __call__(self, question: str, read: Callable[[str], T]) -> T:
         """What is answered, as `read` has it; whom it refuses is asked again."""
         for _ in range(MOST_MISTAKES):
             try:
-                return read(self._answer(question).strip())
+                answer = input(question) if self._is_asked else next(self._lines)
+                return read(answer.strip())
             except (EOFError, StopIteration):
                 raise UsageError("answers end", self._place, self._on) from None
             except (ValueError, argparse.ArgumentTypeError) as error:
@@ -250,12 +263,9 @@ class _Asker:
         return rest * (not self._is_asked) + way_on()
 
 
-def _line(question: str) -> str:
-    """The next line of standard input that no person types, which may have no end."""
-    print(question, end="", flush=True)
-    if not (line := sys.stdin.readline(LONGEST_ANSWER)):
-        raise EOFError
-    return line
+def _typed() -> str:
+    """The next line of standard input, which may have no end."""
+    return sys.stdin.readline(LONGEST_ANSWER)
 
 
 def _check(robot: Robot, kind: ServoKind, folder: RunFolder) -> Mapping[str, str]:
@@ -274,5 +284,5 @@ def _check(robot: Robot, kind: ServoKind, folder: RunFolder) -> Mapping[str, str
         name, text = "check.csv", write_table(commands, table)
         numbers = ",".join(str(servo.channel) for servo in table.channels)
         how = f"play it with python {SCRIPT} MAKE PORT {name} {numbers}"
-    folder.write_text(name, text)
+    _write(folder, name, text, stays=False)
     return {"file": f"{folder.path / name}; {how}"} | facts

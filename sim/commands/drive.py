@@ -130,15 +130,19 @@ class Poses:
             return None
         if isinstance(found, UsageError):
             raise found
-        self.ended = found is None
+        if found is None:
+            self.ended = True
+            cli.notice("the poses have ended; none that follows is seen", "warning")
         return found
 
 
 def _pose(line: str) -> tuple[float, list[float]]:
     """Time and pose of a line; what it does not tell is NaN."""
-    table = json.loads(line, parse_int=float)
-    values = [table.get(key, nan) for key in ("time", "x", "y", "yaw")]
-    when, *pose = values = [nan if value is None else value for value in values]
+    known = dict.fromkeys(("time", "x", "y", "yaw"), nan)
+    table = known | json.loads(line, parse_int=float)
+    if odd := table.keys() - known:
+        raise ValueError(f"unknown key {min(odd)[:40]!r}")
+    when, *pose = values = [nan if value is None else value for value in table.values()]
     if {type(value) for value in values} != {float}:
         raise ValueError("not a number")
     if not isfinite(when) or any(abs(value) > 1e6 for value in pose):

@@ -83,7 +83,8 @@ def _draw(name: str, planned: Plan, path: Path) -> None:
     states, order = np.vstack([way, planned.goal]), [*range(len(way)), len(way) - 1]
     names = list(map(str, planned.system.state))
     title = f"{name}, ends {np.linalg.norm(way[-1] - planned.goal):.2g} off its goal"
-    axes = figure.add_subplot(title=title, aspect="equal", adjustable="datalim")
+    axes = figure.add_subplot(aspect="equal", adjustable="datalim")
+    axes.set_title(title, parse_math=False)
     axes.set(xlabel=names[0], ylabel=names[:2][-1])
     drawn = states.T[:2][[0, -1]]  # of a single coordinate, twice
     shown = axes.scatter(drawn[0], drawn[1], 3, order)

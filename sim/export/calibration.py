@@ -161,6 +161,8 @@ def _draw(robot: Robot, folder: Path) -> None:
     plain = np.where(floor, palette.PAPER.rgba(), palette.OUTLINE.rgba())
     with mujoco.Renderer(model, height=HEIGHT, width=WIDTH) as renderer:
         for number, joint in enumerate(robot.card.joints, 1):
+            if (picture := folder / f"joint-{number}.png").exists():
+                continue  # of an earlier attempt, or of somebody else
             moved = _carried(model, int(model.joint(joint).bodyid[0]))
             model.geom_rgba[:] = plain
             model.geom_rgba[moved] = palette.group(1).rgba()
@@ -176,7 +178,7 @@ def _draw(robot: Robot, folder: Path) -> None:
                 half = Image.fromarray(renderer.render())
                 text(ImageDraw.Draw(half), (EDGE, EDGE), f"mark {mark}", MIDDLE)
                 halves.append(np.asarray(half))
-            with whole(folder / f"joint-{number}.png") as part:
+            with whole(picture) as part:
                 Image.fromarray(np.hstack(halves)).save(part)
 
 

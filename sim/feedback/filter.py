@@ -24,6 +24,8 @@ GATE = 11.345  # 99 % of chi-squared with three degrees of freedom
 STRANGE = 3  # readings in a row beyond the gate that mean that the robot was moved
 LEAST = 1e-12  # standard deviation [m], [rad], which keeps exact readings regular
 ABSURD = 1e9  # [m], [rad] or [s]; what is more is a mistake
+FARTHEST_OFF = 10  # [m] or [rad], or per m or rad, that a segment may miss
+LEAST_DONE = 0.1  # share of what is meant, below which no segment can make up for it
 LOWER = np.tril_indices(12)  # of the covariance of b and A
 
 
@@ -65,14 +67,17 @@ class Learnt:
         """What files have; a ValueError says what is wrong with it."""
         if len(numbers) != 90:
             raise ValueError(f"90 numbers are needed, got {len(numbers)}")
-        if not np.isfinite(numbers).all():
-            raise ValueError("all must be finite numbers")
+        bias, slope = np.array(numbers[:3]), np.reshape(numbers[3:12], (3, 3))
+        if not (np.abs(numbers) <= FARTHEST_OFF).all():
+            raise ValueError(f"all must be finite numbers, none beyond {FARTHEST_OFF}")
+        if np.abs(np.linalg.eigvals(np.eye(3) + slope)).min() < LEAST_DONE:
+            raise ValueError(f"less than {LEAST_DONE:.0%} of a segment would be walked")
         half = np.zeros((12, 12))
         half[LOWER] = numbers[12:]
         whole = half + np.tril(half, -1).T
         if np.linalg.eigvalsh(whole).min() < -1e-12:
             raise ValueError("the covariance must be positive semidefinite")
-        return cls(np.array(numbers[:3]), np.reshape(numbers[3:12], (3, 3)), whole)
+        return cls(bias, slope, whole)
 
 
 class Feedback:

@@ -286,9 +286,10 @@ def test_a_model_is_looked_at_whatever_encoding_python_is_told_to_print_in(
     inspect_model(FOLDER / "hexapod.xml")
 
 
-def test_a_path_with_a_backslash_is_refused_by_its_reason(tmp_path):
-    folder = tmp_path / "a\\b"
-    folder.mkdir()
+@pytest.mark.parametrize("name", ["a\\b", "lat\udce9"])
+def test_a_path_that_mujoco_cannot_open_is_refused_by_its_reason(tmp_path, name):
+    """It takes a backslash for a slash, and paths in UTF-8 only."""
+    (folder := tmp_path / name).mkdir()
     (folder / "m.xml").write_text("<mujoco/>")
-    with pytest.raises(ModelError, match="a backslash in its path, which MuJoCo takes"):
+    with pytest.raises(ModelError, match="a backslash in its path, which .* in UTF-8"):
         inspect_model(folder / "m.xml")

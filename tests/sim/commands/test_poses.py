@@ -40,12 +40,21 @@ def test_poses_are_lines_and_what_they_do_not_tell_is_not_a_number():
         '{"time": "9_9"}',
         '{"time": 1, "x": true}',
         '{"time": 1, "yaw": "\u0661"}',
+        '{"time": 1, "X": 0.1}',
         "[" * 100_000,
     ],
 )
 def test_a_line_that_is_no_pose_is_refused_with_its_number(line):
     with pytest.raises(UsageError, match="not a pose, .*: line 2 of --poses; write"):
         read('{"time": 1}\n' + line + "\n")
+
+
+def test_it_is_told_once_that_the_poses_have_ended(capsys):
+    poses = Poses(io.StringIO('{"time": 1}\n'))
+    assert poses.next(1.0)[0] == 1.0
+    assert not capsys.readouterr().err
+    assert [poses.next(1.0), poses.next(1.0)] == [None, None]
+    assert capsys.readouterr().err.count("the poses have ended") == 1
 
 
 def mean_of(*poses, readings):

@@ -77,3 +77,10 @@ def test_a_plan_is_saved_last_so_that_the_command_can_be_given_again(
 def test_saved_plan_has_a_name(stratawalk):
     code, _, err = stratawalk("plan", "car", "--save", "")
     assert (code, "an empty name: --save; give a name" in err) == (2, True)
+
+
+def test_a_picture_has_the_plan_s_name_as_text(stratawalk, tmp_path):
+    """What stands between two dollar signs is no mathematics."""
+    stratawalk("plan", "heisenberg", "--segments", "1", "--save", "$^$.json")
+    code, *_ = stratawalk("plan", "$^$.json", "--out", "drawn.png")
+    assert (code, (tmp_path / "drawn.png").exists()) == (0, True)

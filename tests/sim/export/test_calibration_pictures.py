@@ -13,8 +13,10 @@ from PIL import Image
 
 from models import Kinematics, load
 from sim.cli import main
-from sim.errors import FilesError, RenderError
+from sim.commands.calibrate import _write
+from sim.errors import FilesError, RenderError, UsageError
 from sim.export import calibration
+from sim.folder import RunFolder
 from tests.commands import full_disk
 from tests.hostile import named_otherwise
 
@@ -194,6 +196,39 @@ def test_a_folder_of_somebody_else_is_refused(name, tmp_path, capsys):
     assert f"{name}; give --out another name" in capsys.readouterr().err
     assert (tmp_path / name).read_text() == "mine"
     assert [path.name for path in tmp_path.iterdir()] == [name]
+
+
+def test_a_sketch_that_its_owner_has_changed_stays_and_that_is_told(
+    tmp_path, monkeypatch, capsys
+):
+    words = ("calibrate", ROBOT, "--out", str(tmp_path / "mine"))
+    monkeypatch.setattr("sim.commands.calibrate.draw", lambda *_, **__: None)
+    monkeypatch.setattr("sys.stdin", io.StringIO())
+    assert main(words) == 2
+    sketch = tmp_path / "mine" / "jog.ino"
+    assert main(words) == 2
+    assert "stays as it is" not in capsys.readouterr().err
+    sketch.write_text("// my pins\n" + sketch.read_text())
+    assert main(words) == 2
+    assert sketch.read_text().startswith("// my pins\n")
+    assert f"{sketch} stays as it is" in capsys.readouterr().err
+
+
+def test_strokes_to_check_replace_no_other_file(tmp_path, capsys):
+    folder = RunFolder(tmp_path)
+    for _ in range(2):  # of the same card
+        _write(folder, "check.h", "strokes\n", stays=False)
+    with pytest.raises(UsageError, match="already exists: .*check.h; give --out"):
+        _write(folder, "check.h", "others\n", stays=False)
+    assert (tmp_path / "check.h").read_text() == "strokes\n"
+
+
+def test_a_picture_that_is_there_is_not_drawn_again(tmp_path, monkeypatch):
+    monkeypatch.setattr("mujoco.Renderer", lambda *_, **__: nullcontext(Camera()))
+    (tmp_path / "joint-2.png").write_text("mine")
+    calibration._draw(load(ROBOT), tmp_path)
+    assert len([*tmp_path.iterdir()]) == 12
+    assert (tmp_path / "joint-2.png").read_text() == "mine"
 
 
 def test_a_picture_that_is_interrupted_leaves_nothing(tmp_path, monkeypatch):

@@ -208,6 +208,8 @@ def test_what_was_learnt_is_read_again_as_it_was_written():
     [
         ((0.0,) * 89, "90 numbers are needed, got 89"),
         ((np.nan,) * 90, "finite numbers"),
+        ((10.1,) + (0.0,) * 89, "none beyond 10"),
+        ((0.0,) * 3 + (*-np.eye(3).ravel(),) + (0.0,) * 78, "less than 10% of a segm"),
         ((0.0,) * 12 + (-1.0,) * 78, "positive semidefinite"),
     ],
 )

@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
 
 from sim.fitting.fitting import fit_servos, servos
 from sim.fitting.makes import ALIKE, MAKE, one_make, shared_make
-from sim.fitting.servo_law import Commanded
+from sim.fitting.servo_law import Commanded, _step
 
 STEP, LASTING, JOINTS, NOISE = 0.008, 8.0, 3, np.radians(0.05)
 
@@ -59,3 +60,12 @@ def test_stiffness_of_which_slow_motion_without_loads_tells_nothing_is_not_told(
     each = fit_servos(log, rows, seen, cards)
     make, _, _ = shared_make([(log, rows, seen)], cards, each)
     assert not make.seen[0, 0]
+
+
+@pytest.mark.parametrize("damping", [0.01, 19.9, 20.0, 20.1, 1e4])
+@pytest.mark.parametrize("stiffness", [0.0, 100.0])
+def test_a_step_of_the_law_is_the_exponential_of_its_matrix(stiffness, damping):
+    """With hardly any damping, nearly and just as much as is critical, and far more."""
+    found = _step(np.array([stiffness]), np.array([damping]), STEP)
+    matrix = np.array([[0.0, 1.0], [-stiffness, -damping]])
+    assert found[..., 0] == pytest.approx(expm(STEP * matrix), rel=1e-12, abs=1e-14)
