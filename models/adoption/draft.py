@@ -119,6 +119,9 @@ def draft_card(source: Source) -> Draft:
         wanted, damping = float(f"{suited.stiffness:.3g}"), suited.damping
         about = {"joint": soft[0], "stiffness": found[soft[0]], "suited": wanted}
         guesses.append(guess("soft", count=len(soft), damping=damping, **about))
+    if lift_room(pose, limbs) <= 0:
+        low = min(limbs, key=lambda limb: lift_room(pose, [limb])).lift
+        raise refusal("at_the_end", name, joint=low)
     card = card_text(pose, limbs, gait, angles, servo)
     return Draft(card, tuple(guesses), limbs, gait)
 

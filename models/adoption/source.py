@@ -26,7 +26,7 @@ from planner.support import read_file
 
 FREE = re.compile(r"<freejoint|type=\"free\"")
 PACKAGE = r'package://([^/"]+)/([^"]+)'
-FILE = "file://"
+FILE = r"(?<=[\"'])file://"
 PARENTS = 4  # folders above a URDF in which its packages are looked for
 ROOT = "adopted_world"  # link that a URDF's base floats in
 
@@ -87,7 +87,7 @@ def source_of(name: str, allow_external: bool = False) -> Source:
         return Source(path, path, None)
     given = read_file(path).decode(errors="replace")
     found = re.sub(PACKAGE, lambda name: _in_package(path.parent, name), given)
-    drawn, notes = with_shapes(path, given, found)
+    drawn, notes = with_shapes(path, given, re.sub(FILE, "", found))
     if drawn == given:
         inspect_model(path, (), allow_external)
     else:
@@ -141,12 +141,12 @@ def _from_urdf(path: Path, text: str) -> str:
     joints = Counter(joint.get("name") for joint in robot.iterfind("joint"))
     if twice := [name for name, count in joints.items() if count > 1]:
         raise refusal("twice", path, joint=twice[0])
-    limited = {
-        joint.get("name")
-        for joint in robot.iterfind("joint")
-        for _ in joint.iterfind("limit[@lower][@upper]")
-        if joint.get("type") != "continuous"
-    }
+    limited, ends = set(), {"lower": "0", "upper": "0"}
+    for joint in robot.iterfind("joint[@type!='continuous']"):
+        for limit in joint.iterfind("limit"):
+            if ends.keys() & limit.attrib.keys():
+                limit.attrib.update(ends | limit.attrib)  # what is left out is 0
+                limited.add(joint.get("name"))
     ET.SubElement(robot, "link", name=ROOT)
     floats = ET.SubElement(robot, "joint", name="floating_base", type="floating")
     ET.SubElement(floats, "parent", link=ROOT)
@@ -203,13 +203,14 @@ def with_shapes(path: Path, given: str, text: str) -> tuple[str, tuple[str, ...]
         for visual in visuals:
             visual.tag = "collision"
     compiler = robot.find("mujoco/compiler")
-    folder = path.parent / ("" if compiler is None else compiler.get("meshdir", ""))
+    told = {} if compiler is None else compiler.attrib
+    folder, strip = path.parent / told.get("meshdir", ""), told.get("strippath")
     names = [str(mesh.get("filename")) for mesh in written.iter("mesh")]
     absent = {
         id(mesh): name
         for mesh, name in zip(robot.iter("mesh"), names, strict=True)
-        for file in (Path(mesh.get("filename", "").removeprefix(FILE)),)
-        if not any(os.path.exists(folder / one) for one in (file, file.name))
+        for file in (Path(mesh.get("filename", "")),)
+        if not os.path.exists(folder / (file.name if strip == "true" else file))
     }
     if not absent:
         same = not (drawn or re.search(r"xmlns\s*=", text))  # or prefixes hide names

@@ -20,7 +20,7 @@ from planner.support import did_you_mean, read_file
 from sim.errors import UsageError, message
 from sim.folder import csv_lines, csv_text
 
-LARGEST_LOG, LONGEST_HEAD = 10**8, 10**7  # bytes
+LARGEST_LOG, LONGEST_ROW = 10**8, 10**7  # bytes
 MOST_NUMBERS = 5 * 10**6  # which take some seconds to read
 SHORTEST_LOG, LONGEST_LOG = 0.01, 600.0  # [s]
 SHORTEST_STEP = 1e-6  # [s], between rows
@@ -161,8 +161,8 @@ def _table(path: Path, joints: Sequence[str] = ()) -> dict[str, Array]:
     if "\0" in text:
         raise ValueError("it has zero bytes, as UTF-16 does; save it in UTF-8, without")
     head = text.lstrip("\r\n").partition("\n")[0]
-    if text.count("\n") > MOST_NUMBERS or len(head) > LONGEST_HEAD:
-        raise ValueError(f"more than {MOST_NUMBERS} lines, or too long a first one")
+    if text.count("\n") > MOST_NUMBERS or max(map(len, text.split("\n"))) > LONGEST_ROW:
+        raise ValueError(f"more than {MOST_NUMBERS} lines, or too long a one")
     lines = filter(None, csv_lines(text, max(",;\t", key=head.count)))
     names = [n if n in joints else n.strip() for n in next(lines, [])]
     if TIME not in names:

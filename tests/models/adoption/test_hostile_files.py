@@ -64,7 +64,7 @@ def test_a_urdf_opens_nothing_outside_its_folder_and_waits_for_no_pipe(
 
 
 def test_a_path_that_the_compiler_cuts_off_leads_nowhere(urdf):
-    with pytest.raises(ModelError, match="opening file 'm.obj'; put it there, or corr"):
+    with pytest.raises(ModelError, match="no end of link 'base' is known"):
         source_of(str(urdf("../out/m.obj", strip="true")))
 
 
@@ -184,6 +184,33 @@ def test_meshes_are_found_where_the_compiler_looks_for_them(urdf, file, compiler
     assert 'meshdir="meshes"' in found.text
 
 
+@pytest.mark.parametrize("mesh", ["file://near.obj", "file://{out}/../own/near.obj"])
+def test_meshes_by_the_address_of_a_file_are_found(urdf, mesh):
+    assert source_of(str(urdf(mesh))).notes == ()
+
+
+def test_a_mesh_is_not_found_where_the_compiler_does_not_look(urdf):
+    """Of that name is another file, beside the drawing."""
+    (note,) = source_of(str(urdf("any/near.obj", origin=CENTRE))).notes
+    assert "any/near.obj" in note
+
+
+@pytest.mark.parametrize(
+    ("limit", "span"), [('upper="0.9"', (0, 0.9)), ('lower="-0.9"', (-0.9, 0))]
+)
+def test_an_end_of_a_joint_s_limits_that_is_left_out_is_zero(tmp_path, limit, span):
+    """The compiler would take such a joint for one that turns freely."""
+    path = next(one for one in ADOPTEES if one.name == "box").write(tmp_path)
+    text, count = re.subn(
+        r'lower="[^"]*" upper="[^"]*"', limit, path.read_text(), count=1
+    )
+    path.write_text(text)
+    name = re.search('<joint name="([^"]*)"', text)[1]
+    joint = source_of(str(path)).spec().compile().joint(name)
+    assert (count, joint.limited[0]) == (1, True)
+    assert joint.range == pytest.approx(span)
+
+
 def test_a_folder_is_not_searched_beyond_what_is_read(tmp_path):
     with (tmp_path / "a.xml").open("w") as file:
         file.truncate(10**12)
@@ -224,7 +251,8 @@ def test_a_warning_of_the_engine_is_written_nowhere(urdf, capfd, monkeypatch):
     )
     monkeypatch.chdir(path.parent)
     before = os.listdir()
-    assert source_of(str(path)).text
+    with pytest.raises(ModelError, match="'j' has limits from 0 to 0"):
+        source_of(str(path))
     assert os.listdir() == before
     assert capfd.readouterr() == ("", "")
 

@@ -144,13 +144,20 @@ def test_a_log_of_more_numbers_than_are_read_in_time_is_refused(read, monkeypatc
         read("time,hip_1\n0,0\n1,1\n2,2\n")
 
 
-@pytest.mark.parametrize(("bound", "most"), [("MOST_NUMBERS", 2), ("LONGEST_HEAD", 9)])
+@pytest.mark.parametrize(("bound", "most"), [("MOST_NUMBERS", 2), ("LONGEST_ROW", 9)])
 def test_lines_are_counted_before_they_are_parted(read, monkeypatch, bound, most):
     """Of millions, or of millions of names in one, reading takes minutes."""
     read("time,hip_1\n0,0\n1,1\n")
     monkeypatch.setattr(f"sim.logs.log.{bound}", most)
-    with pytest.raises(UsageError, match=r"more than \d+ lines, or too long a first"):
+    with pytest.raises(UsageError, match=r"more than \d+ lines, or too long a one"):
         read("\ntime,hip_1\n0,0\n1,1\n")
+
+
+def test_a_long_row_is_refused_before_it_is_parted(read, monkeypatch):
+    monkeypatch.setattr("sim.logs.log.LONGEST_ROW", 15)
+    read("time,hip_1\n0,0\n1,1\n")
+    with pytest.raises(UsageError, match="or too long a one"):
+        read("time,hip_1\n0,0\n1," + "1," * 9 + "\n")
 
 
 def test_a_log_that_is_written_is_read_back_with_every_digit(read):
