@@ -60,8 +60,10 @@ def test_good_arrays_are_read_when_they_are_asked_for(tmp_path):
         ({"contact_point": np.ones((3, 3, 2))}, r"shape \(3, 2\) instead of \(2, 2\)"),
         ({"achieved_pose": np.zeros((3, 2))}, r"shape \(2,\) instead of \(3,\)"),
         ({"time": np.zeros((3, 1))}, r"shape \(1,\) instead of \(\)"),
-        ({"time": np.array(["a", "b", "c"])}, "time of .* has <U1 in place of real"),
-        ({"time": np.zeros(3, complex)}, "time of .* has complex128 in place of real"),
+        ({"time": np.array(["a", "b", "c"])}, "time of .* has <U1 in place of f8"),
+        ({"achieved_pose": np.zeros((3, 3), np.int8)}, "has int8 in place of f8"),
+        ({"contact": np.zeros((3, 6))}, "contact of .* has float64 in place of b1"),
+        ({"time": np.zeros(3, complex)}, "time of .* has complex128 in place of f8"),
     ],
 )  # fmt: skip
 def test_arrays_that_no_walk_has_are_refused(tmp_path, changes, said):
