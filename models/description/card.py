@@ -23,6 +23,7 @@ from planner.support import unknown
 LIFT_TIME = 0.3
 QUICKEST_LIFT = 0.001  # [s]
 MOST_STRATA = 1000  # of a gait
+OF_LOGS = ("measured.", "body.", "contact.")  # begin columns of logs
 CLOCKS = (20e6, 30e6)  # [Hz]; its data sheet's by a fifth more or less
 
 Twist = tuple[float, float, float]  # forward, left [m/rad], yaw [rad/rad]
@@ -174,6 +175,8 @@ class Card:
             raise ValueError(message("divider", given=self.board_divider))
         if not self.description.isprintable():
             raise ValueError("description must be one line of printable text")
+        if odd := [j for j in self.joints if j == "time" or j.startswith(OF_LOGS)]:
+            raise ValueError(f"joint {odd[0]!r} is called as a column of logs is")
         self._check_groups()
         self._check_gait()
         self._check_patterns()

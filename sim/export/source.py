@@ -219,8 +219,6 @@ def write_table(commands: ServoCommands, table: ServoTable | None = None) -> str
     """
     joints = commands.joints if table is None else table.joints
     values = commands.angles if table is None else table.counts(commands)
-    if "time" in joints:
-        raise UsageError.of("called_time", "csv")
     rows = zip(commands.time.tolist(), values.tolist(), strict=True)
     return csv_text([("time", *joints), *((moment, *row) for moment, row in rows)])
 

@@ -1,5 +1,9 @@
 """What a robot card lists, in the order of the legs' numbers."""
 
+from dataclasses import replace
+
+import pytest
+
 from models.description.card import Card, GroupCard, LegCard
 
 
@@ -21,3 +25,12 @@ def test_legs_are_listed_in_ascending_order_whatever_the_order_of_the_file():
     assert CARD.joints == tuple(joints)
     assert CARD.feet == tuple(f"foot_{n}" for n in numbers)
     assert list(CARD.group_of_leg.items()) == [(1, 0), (2, 1), (3, 0)]
+
+
+@pytest.mark.parametrize("name", ["time", "measured.lift_1", "body.x", "contact.1"])
+def test_no_joint_is_called_as_a_column_of_logs_is(name):
+    """Its commands would be read as what another joint did."""
+    legs = CARD.legs | {1: LegCard(name, "lift_1", ("foot_1",))}
+    with pytest.raises(ValueError, match=f"joint '{name}' is called as a column"):
+        replace(CARD, legs=legs)
+    replace(CARD, legs=CARD.legs | {1: LegCard("timer", "contact", ("foot_1",))})
