@@ -227,7 +227,8 @@ class _Asker:
     """Asks on the terminal, or reads the lines of a file in place of answers."""
 
     def __init__(self, file: str | None) -> None:
-        self._place, self._lines = file or "standard input", iter(_typed, "")
+        self._place = file or "standard input"  # which may have no end
+        self._lines = iter(lambda: sys.stdin.readline(LONGEST_ANSWER), "")
         self._is_asked = not file and sys.stdin.isatty()  # a person, even again
         if file:
             try:
@@ -261,11 +262,6 @@ class _Asker:
         """How to go on, with a file of answers that does not begin with used ones."""
         rest = "leave in it the answers that are yet to be used; "
         return rest * (not self._is_asked) + way_on()
-
-
-def _typed() -> str:
-    """The next line of standard input, which may have no end."""
-    return sys.stdin.readline(LONGEST_ANSWER)
 
 
 def _check(robot: Robot, kind: ServoKind, folder: RunFolder) -> Mapping[str, str]:

@@ -111,7 +111,7 @@ DIED = "its worker died"  # how the status begins of a point to be walked again
 SEAL = b'{"seal": "%b", '
 LENGTH = len(SEAL % bytes(16))
 LONGEST_LINE = 10**6  # bytes of a line
-MOST_LINES, MOST_NAMES = 10**5, 5000  # two tries of each point; of numbers
+LARGEST = 2 * 10**9  # bytes that all outcomes take; most sweeps have a hundredth
 LARGEST_FILE = 10**9  # bytes of a file of a robot or motion
 INT64 = 2**63  # beyond the numbers that a table takes
 
@@ -197,25 +197,27 @@ def read_ledger(
 
     A torn last line counts as not written, and its point is walked again; the result of
     a point takes the place of its worker's death. Refused are lines of other software,
-    if one is given, and two results of one point, which is named by its number.
+    and two results of a point, which has a number. Other points are left out.
     """
-    known: dict[str, Outcome] = {}
+    known, size = dict[str, Outcome](), 0
     for path in paths:
         for number, line in enumerate(_lines(path), start=1):
             try:
                 one = Outcome.read(line)
-                if len(one.numbers) > MOST_NAMES or number > MOST_LINES:
+                size += 5000 + len(line) + 100 * len(one.numbers)
+                if size > LARGEST:
                     raise ValueError("no sweep has so many points or numbers")
                 if software and (differ := differences(*alike(software, one.software))):
                     raise ValueError(f"it is of other software, {differ[0]}")
+                if points is not None and one.digest not in points:
+                    continue
                 before = known.setdefault(one.digest, one)
                 results = ({**o.numbers, "status": o.status} for o in (before, one))
-                settled = one.died or one == before
                 if before.died:
                     known[one.digest] = one
-                elif not settled and (differ := differences(*results)):
+                elif one != before and not one.died and (odd := differences(*results)):
                     point = (points or {}).get(one.digest, one.digest)
-                    raise ValueError(f"point {point} has two results, {differ[0]}")
+                    raise ValueError(f"point {point} has two results, {odd[0]}")
             except ValueError as error:
                 facts = {"number": number, "why": error}
                 raise UsageError.of("ledger_line", path, **facts) from error

@@ -237,7 +237,7 @@ def merge(sources: Sequence[Path], out: Path) -> tuple[Result, Path]:
         raise UsageError.of("lacking_points", where, on=on, **facts)
     ensure_folder(out)
     with sole_owner(folder.lock), opened(folder.ledger) as ledger:
-        written = read_ledger(folder.ledger)
+        written = points.known(about, folder.ledger)
         new = [o for c, o in known.items() if c not in written or written[c].died]
         ledger.add(new)
         about = folder.agree(about, mix=about.mixed)

@@ -195,22 +195,6 @@ def test_a_mesh_is_not_found_where_the_compiler_does_not_look(urdf):
     assert "any/near.obj" in note
 
 
-@pytest.mark.parametrize(
-    ("limit", "span"), [('upper="0.9"', (0, 0.9)), ('lower="-0.9"', (-0.9, 0))]
-)
-def test_an_end_of_a_joint_s_limits_that_is_left_out_is_zero(tmp_path, limit, span):
-    """The compiler would take such a joint for one that turns freely."""
-    path = next(one for one in ADOPTEES if one.name == "box").write(tmp_path)
-    text, count = re.subn(
-        r'lower="[^"]*" upper="[^"]*"', limit, path.read_text(), count=1
-    )
-    path.write_text(text)
-    name = re.search('<joint name="([^"]*)"', text)[1]
-    joint = source_of(str(path)).spec().compile().joint(name)
-    assert (count, joint.limited[0]) == (1, True)
-    assert joint.range == pytest.approx(span)
-
-
 def test_a_folder_is_not_searched_beyond_what_is_read(tmp_path):
     with (tmp_path / "a.xml").open("w") as file:
         file.truncate(10**12)

@@ -1,5 +1,6 @@
 """Swing ranges of drafts: as far as legs go without touching, and what ends them."""
 
+import re
 import shutil
 
 import mujoco
@@ -11,6 +12,7 @@ from models.adoption.draft import draft_card
 from models.adoption.source import source_of
 from models.errors import ModelError
 from models.library import load
+from scripts.adoptees import ADOPTEES
 from tests import owners
 
 FARTHEST = 1e3  # [rad] that a hinge is taken to turn, whatever its range says
@@ -112,3 +114,19 @@ def test_servos_end_the_swing_as_joints_do(tmp_path, hexapod):
     (tmp_path / "mine.xml").write_text(text)
     robot, _ = drafted(tmp_path / "mine.xml")
     assert min(high - low for low, high in robot.swing_range.values()) <= 0.4001
+
+
+@pytest.mark.parametrize(
+    ("limit", "span"), [('upper="0.9"', (0, 0.9)), ('lower="-0.9"', (-0.9, 0))]
+)
+def test_an_end_of_a_joint_s_limits_that_is_left_out_is_zero(tmp_path, limit, span):
+    """The compiler would take such a joint for one that turns freely."""
+    path = next(one for one in ADOPTEES if one.name == "box").write(tmp_path)
+    text, count = re.subn(
+        r'lower="[^"]*" upper="[^"]*"', limit, path.read_text(), count=1
+    )
+    path.write_text(text)
+    name = re.search('<joint name="([^"]*)"', text)[1]
+    joint = source_of(str(path)).spec().compile().joint(name)
+    assert (count, joint.limited[0]) == (1, True)
+    assert joint.range == pytest.approx(span)

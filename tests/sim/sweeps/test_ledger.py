@@ -181,16 +181,24 @@ def test_two_results_of_a_point_are_refused_by_its_number(tmp_path):
         read_ledger(*paths, points={"a": 7})
 
 
-@pytest.mark.parametrize("bound", ["MOST_LINES", "MOST_NAMES"])
-def test_more_than_any_sweep_has_is_refused_by_the_line(bound, tmp_path, monkeypatch):
+def test_more_than_any_sweep_has_is_refused_by_the_line(tmp_path, monkeypatch):
     """It would take gigabytes."""
-    monkeypatch.setattr(f"sim.sweeps.ledger.{bound}", 1)
     with opened(tmp_path / "ledger") as ledger:
-        ledger.add([FIRST, replace(SECOND, numbers={"y": 0.1, "z": 0.2})])
-    with pytest.raises(
-        UsageError, match="line 2 is .*, no sweep has so many points or"
-    ):
+        ledger.add(
+            [FIRST, replace(SECOND, numbers=dict.fromkeys(map(str, range(99)), 0))]
+        )
+    assert len(read_ledger(tmp_path / "ledger")) == 2
+    monkeypatch.setattr("sim.sweeps.ledger.LARGEST", 20_000)
+    said = "line 2 is .*, no sweep has so many points or"
+    with pytest.raises(UsageError, match=said):
         read_ledger(tmp_path / "ledger")
+
+
+def test_results_of_no_point_of_a_sweep_are_left_out(tmp_path):
+    with opened(tmp_path / "ledger") as ledger:
+        ledger.add([FIRST, SECOND])
+    assert read_ledger(tmp_path / "ledger", points={"b": 0}) == {"b": SECOND}
+    assert read_ledger(tmp_path / "ledger", points={}) == {}
 
 
 @pytest.mark.parametrize("order", [(0, 1), (1, 0), (1, 1, 0), (1, 0, 1)])
