@@ -202,8 +202,7 @@ def with_shapes(path: Path, given: str, text: str) -> tuple[str, tuple[str, ...]
         notes = guess("drawn"), *notes
         for visual in visuals:
             visual.tag = "collision"
-    compiler = robot.find("mujoco/compiler")
-    told = {} if compiler is None else compiler.attrib
+    told = getattr(robot.find("mujoco/compiler"), "attrib", {})
     folder, strip = path.parent / told.get("meshdir", ""), told.get("strippath")
     names = [str(mesh.get("filename")) for mesh in written.iter("mesh")]
     absent = {

@@ -121,6 +121,8 @@ class ServoKind:
         ratio = given["volts"] / self.volts if "volts" in given and self.volts else 1.0
         scaled = {name: ratio * getattr(self, name) for name in WITH_VOLTAGE}
         values: dict[str, Any] = (scaled if ratio != 1.0 else {}) | dict(given)
+        if self.signal == "pulse" and not values.get("command_rate", 1.0):
+            raise ValueError("command_rate must be positive for servos on pulses")
         if "center" in values:
             values["center"] = round(values["center"])
         return replace(self, **values)

@@ -1,8 +1,8 @@
 """`stratawalk fit`: what a robot did not come with, estimated from its logs."""
 
 import argparse
-from collections import defaultdict
 from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import replace
 from math import floor, log10, sqrt
 from pathlib import Path
@@ -14,8 +14,9 @@ from sim.commands import options as cli
 from sim.endings import command
 from sim.errors import UsageError
 from sim.fitting import fitting
-from sim.fitting.estimate import LEAST_NOISE, Estimates, Parameter
+from sim.fitting.estimate import LEAST_NOISE, Estimates
 from sim.fitting.poses import Walked, fit_poses, log_of, walked_of_log, walked_of_run
+from sim.folder import blamed_on
 from sim.logs.alignment import ordered
 from sim.logs.log import Log
 from sim.logs.playing import scenario_of
@@ -31,7 +32,9 @@ def fit(options: argparse.Namespace) -> None:
     """Fit servos and what moves the body, print both, and write a card if asked for."""
     if options.out is not None:
         fitting.check_free(Path(options.out))
-    setup, logs, walked = _sources(options)
+    runs = [path for path in map(Path, options.sources) if path.is_dir()]
+    with blamed_on(runs[0]) if runs else nullcontext():
+        setup, logs, walked = _sources(options)
     for line in dict.fromkeys(line for log in logs for line in log.done):
         cli.notice(line)
     walking = walked is not None if options.walking is None else options.walking
@@ -56,7 +59,7 @@ def fit(options: argparse.Namespace) -> None:
             missed = {"before": body.before, "after": body.after}
             found = {"unseen": body.found.unseen(), "held_out": missed}
             cells = zip(body.found.parameters, _cells(body.found, 0), strict=True)
-            rows = [(p.name, cell, _unit(p)) for p, cell in cells]
+            rows = [(p.name, c, MILLI_UNITS.get(p.unit, p.unit)) for p, c in cells]
             facts["body"], parts["body"] = found, found | {"rows": rows}
     if options.out is not None:
         text = fitting.card_text(setup.robot, fitted, options.sources)
@@ -123,16 +126,16 @@ def _of_servos(fit: fitting.JointFit) -> dict[str, object]:
     shared = dict(zip(fit.make.parameters, _cells(fit.make, 0), strict=True))
     rows = [
         ("", [p.name for p in servo]),
-        ("", [f"[{_unit(p)}]" for p in servo]),
+        ("", [f"[{MILLI_UNITS.get(p.unit, p.unit)}]" for p in servo]),
         *((joint, _cells(fit.each, row)) for row, joint in enumerate(fit.joints)),
         ("all joints", [shared.get(p, "") for p in servo]),
     ]
-    unseen: dict[str, list[str]] = defaultdict(list)
+    unseen: dict[str, list[str]] = {}
     for row, joint in enumerate(fit.joints):
         for words in fit.each.unseen(row):
-            unseen[words].append(joint)
+            unseen.setdefault(words, []).append(joint)
     for words in fit.make.unseen():
-        unseen[words].append("all joints together")
+        unseen.setdefault(words, []).append("all joints together")
     before, after = (sqrt((m[m == m] ** 2).mean()) for m in (fit.before, fit.after))
     return {"rows": rows, "unseen": unseen, "before": before, "after": after}
 
@@ -142,10 +145,6 @@ def _noise(logs: Sequence[Log]) -> float:
     seen = (log.measured for log in logs if log.measured is not None)
     rough = [np.diff(angles, 3, axis=0).ravel() for angles in seen]
     return max(float(np.nanstd(np.concatenate(rough)) / sqrt(20)), LEAST_NOISE)
-
-
-def _unit(parameter: Parameter) -> str:
-    return MILLI_UNITS.get(parameter.unit, parameter.unit)
 
 
 def _cells(estimates: Estimates, problem: int) -> list[str]:

@@ -277,8 +277,8 @@ def read_run(folder: Path, *, inspected: bool = False) -> Run:
                 raise ValueError("trajectory.npz has a row of a phase not in flows.csv")
             if not (np.diff(run.time) > 0).all():
                 raise ValueError("the rows of trajectory.npz are not in time's order")
-        if "ctrl" not in [*run.commands]:
-            raise KeyError("ctrl in commands.npz")
+        if lacks := {"time", "ctrl"}.difference(run.commands):
+            raise KeyError(f"{min(lacks)} in commands.npz")
         weighed = run.summary.weighed
         if weighed and weighed.prediction not in [*run.predicted]:
             raise ValueError(f"unknown prediction {weighed.prediction!r}")

@@ -150,3 +150,10 @@ def test_joint_servos_that_cannot_be_are_refused(given, message):
     with pytest.raises(ValueError, match=f"^{message}"):
         JointServo(**given)
     JointServo(channel=0, center=0, sign=-1, counts_per_radian=1e-9, limits=(-1, 1))
+
+
+def test_servos_on_pulses_take_commands_at_a_rate():
+    """A board divides its clock by it."""
+    with pytest.raises(ValueError, match="command_rate must be positive for servos on"):
+        servo_of("mg90", {"command_rate": 0.0})
+    assert servo_of("ax-12", {"command_rate": 0.0}).command_rate == 0.0

@@ -124,6 +124,14 @@ def test_a_model_without_a_foot_of_the_card_is_refused(folder):
         film_folder(folder, stretch=(0.0, 1.0))
 
 
+def test_commands_without_their_times_are_none(folder):
+    path = folder / "commands.npz"
+    np.savez_compressed(path, ctrl=np.load(path)["ctrl"])
+    sealed(folder)
+    with pytest.raises(UsageError, match="it lacks 'time in commands.npz'"):
+        read_run(folder)
+
+
 def test_a_summary_of_another_form_is_refused_whoever_reads_it(folder):
     path = folder / "summary.json"
     path.write_text(json.dumps(json.loads(path.read_text()) | {"predicted": 1.5}))
