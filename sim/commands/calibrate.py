@@ -73,11 +73,11 @@ def _prepare(
         MIDDLE=kind.at_rate(description.board_rate(rate)).center,
         JOG=JOG,
     )
-    _write(folder, tool, f"{text}\n")
     rows = [(j, *map(degrees, marks(robot, j))) for j in robot.card.joints]
     page = render("calibration.html", title=f"Calibration of {robot}", rows=rows)
-    _write(folder, PAGE, page)
-    _write(folder, SHEET, sheet(robot))
+    _write(folder, PAGE, page, stays=False)
+    _write(folder, SHEET, sheet(robot), stays=False)
+    _write(folder, tool, f"{text}\n")  # with which an owner may have begun
     if (folder.path / f"joint-{len(rows)}.png").exists():  # the last one
         return
     with cli.working(options, "drawing the joints"):

@@ -17,11 +17,11 @@ from sim.errors import UsageError
 from sim.export.servo_commands import taken
 from sim.feedback.stops import Stop, stop_after
 from sim.motion.schedule import Schedule, Scheduler
-from sim.preparation.scheduling import schedule_flows
+from sim.preparation.scheduling import check_effort, schedule_flows
 from sim.preparation.setup import Setup, prepare
 from sim.problems.scenario import ScenarioProblem
 from sim.scenarios.scenario import Scenario
-from sim.walking.walks import next_segment
+from sim.walking.walks import expected_steps, next_segment
 
 SERVO_RATE = 50.0  # commands a second where the servos have no rate, as most take
 Row = tuple[float, Array]  # time [s], and the angle of every joint [rad]
@@ -43,6 +43,7 @@ class ServedWalk:
     """
 
     def __init__(self, setup: Setup, rate: float = SERVO_RATE) -> None:
+        check_effort(setup, expected_steps(setup, None))
         self.setup, self.feedback = setup, setup.feedback()
         self.rate = setup.servo.rate or rate
         self.joints = tuple(setup.robot.card.joints)

@@ -214,6 +214,21 @@ def test_a_sketch_that_its_owner_has_changed_stays_and_that_is_told(
     assert f"{sketch} stays as it is" in capsys.readouterr().err
 
 
+def test_a_page_of_another_robot_is_not_taken_for_this_one_s(
+    tmp_path, monkeypatch, capsys
+):
+    monkeypatch.setattr("sim.commands.calibrate.draw", lambda *_, **__: None)
+    monkeypatch.setattr("sys.stdin", io.StringIO())
+    for robot, said in (
+        (ROBOT, "answers end"),
+        ("quadruped", "index.html; give --out"),
+    ):
+        assert main(["calibrate", robot, "--out", str(tmp_path / "mine")]) == 2
+        assert said in capsys.readouterr().err
+    page = (tmp_path / "mine" / "index.html").read_text()
+    assert f"Calibration of {ROBOT}" in page
+
+
 def test_strokes_to_check_replace_no_other_file(tmp_path, capsys):
     folder = RunFolder(tmp_path)
     for _ in range(2):  # of the same card

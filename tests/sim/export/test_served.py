@@ -7,6 +7,7 @@ import shapely
 from models import SERVO_KINDS, load
 from planner import PlannerError
 from sim.cli import main
+from sim.errors import UsageError
 from sim.export.served import served
 from sim.scenarios.file import load_scenario
 
@@ -19,6 +20,15 @@ def test_a_segment_in_which_nothing_moves_has_no_commands():
         walk = served(load_scenario("line", still | given))
         assert len([*walk.stand()]) > 1
         assert [*walk.walk(0)] == []
+
+
+def test_a_walk_without_end_is_refused_before_it_begins(monkeypatch):
+    """All commands of a segment are held, as many as a robot's card makes them."""
+    monkeypatch.setattr("sim.preparation.scheduling.MOST_STEPS", 20_000)
+    given = {"segments": 2, "path.goal": [0.007, 0, 0]}
+    served(load_scenario("line", given))
+    with pytest.raises(UsageError, match="physics steps"):
+        served(load_scenario("line", given | {"swing_speed": 0.01}))
 
 
 @pytest.mark.physics
