@@ -1,7 +1,6 @@
 """`stratawalk calibrate`: find a robot's servos one at a time, and write its card."""
 
 import argparse
-import os
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import nullcontext, redirect_stdout, suppress
@@ -75,9 +74,12 @@ def _prepare(
     )
     rows = [(j, *map(degrees, marks(robot, j))) for j in robot.card.joints]
     page = render("calibration.html", title=f"Calibration of {robot}", rows=rows)
-    _write(folder, PAGE, page, stays=False)
-    _write(folder, SHEET, sheet(robot), stays=False)
-    _write(folder, tool, f"{text}\n")  # with which an owner may have begun
+    _write(folder, PAGE, page)
+    _write(folder, SHEET, sheet(robot))
+    try:
+        _write(folder, tool, f"{text}\n")
+    except UsageError:  # an owner has begun with it
+        cli.notice(f"{folder.path / tool} stays; remove it to have it written anew")
     if (folder.path / f"joint-{len(rows)}.png").exists():  # the last one
         return
     with cli.working(options, "drawing the joints"):
@@ -87,16 +89,14 @@ def _prepare(
             cli.notice(str(error), "warning")
 
 
-def _write(folder: RunFolder, name: str, text: str, stays: bool = True) -> None:
-    """Write a file, unless another, which stays or is refused, has its name."""
-    path = folder.path / name
+def _write(folder: RunFolder, name: str, text: str, known: int | None = None) -> None:
+    """Write a file, only over one of the same text, or as many `known` first lines."""
+    path, same = folder.path / name, False
     with suppress(OSError):
-        if read_file(path) == text.encode():
-            return
-    if stays and os.path.lexists(path):
-        cli.notice(f"{path} stays as it is; remove it to have it written anew")
-        return
-    require_free(path, "--out")
+        there = read_file(path).decode(errors="replace")
+        same = there.split("\n")[:known] == text.split("\n")[:known]
+    if not same:
+        require_free(path, "--out")
     folder.write_text(name, text)
 
 
@@ -280,5 +280,5 @@ def _check(robot: Robot, kind: ServoKind, folder: RunFolder) -> Mapping[str, str
         name, text = "check.csv", write_table(commands, table)
         numbers = ",".join(str(servo.channel) for servo in table.channels)
         how = f"play it with python {SCRIPT} MAKE PORT {name} {numbers}"
-    _write(folder, name, text, stays=False)
+    _write(folder, name, text, known=1)
     return {"file": f"{folder.path / name}; {how}"} | facts

@@ -207,11 +207,11 @@ def test_a_sketch_that_its_owner_has_changed_stays_and_that_is_told(
     assert main(words) == 2
     sketch = tmp_path / "mine" / "jog.ino"
     assert main(words) == 2
-    assert "stays as it is" not in capsys.readouterr().err
+    assert "stays; remove it" not in capsys.readouterr().err
     sketch.write_text("// my pins\n" + sketch.read_text())
     assert main(words) == 2
     assert sketch.read_text().startswith("// my pins\n")
-    assert f"{sketch} stays as it is" in capsys.readouterr().err
+    assert f"{sketch} stays; remove it" in capsys.readouterr().err
 
 
 def test_a_page_of_another_robot_is_not_taken_for_this_one_s(
@@ -229,13 +229,14 @@ def test_a_page_of_another_robot_is_not_taken_for_this_one_s(
     assert f"Calibration of {ROBOT}" in page
 
 
-def test_strokes_to_check_replace_no_other_file(tmp_path, capsys):
+def test_strokes_to_check_replace_those_of_before_and_no_other_file(tmp_path):
     folder = RunFolder(tmp_path)
-    for _ in range(2):  # of the same card
-        _write(folder, "check.h", "strokes\n", stays=False)
+    for counts in ("1", "2"):  # of a card that was corrected
+        _write(folder, "check.h", f"// strokes\n{counts}\n", known=1)
+        assert counts in (tmp_path / "check.h").read_text()
     with pytest.raises(UsageError, match="already exists: .*check.h; give --out"):
-        _write(folder, "check.h", "others\n", stays=False)
-    assert (tmp_path / "check.h").read_text() == "strokes\n"
+        _write(folder, "check.h", "// others\n", known=1)
+    assert (tmp_path / "check.h").read_text() == "// strokes\n2\n"
 
 
 def test_a_picture_that_is_there_is_not_drawn_again(tmp_path, monkeypatch):
