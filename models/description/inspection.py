@@ -121,7 +121,6 @@ SECONDS = 8  # of the processor, in which a model must compile
 MEMORY = 2 * 10**9  # bytes
 PATIENCE = 30  # [s] by the clock
 MOVE = "move them there, or give --allow-external if you trust it"
-ODD = re.compile(r"[\\\ud800-\udfff]")  # in paths, which MuJoCo cannot open
 ROOT = Path(__file__).resolve().parents[2]
 SHOWN = 3  # files that a message names
 
@@ -139,7 +138,7 @@ def inspect_model(
     not, where a `remedy` is named. This costs the start of a process.
     """
     check_name(path.stem, str(path))
-    if ODD.search(str(path.absolute())):
+    if re.search(r"[\\\ud800-\udfff]", str(path.absolute())):
         raise refusal("backslash", path.absolute())
     files = {Path(file) for file in _tried(path)}
     taken = outside((files | set(others)) - {path}, path.parent)

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from functools import partial
-from itertools import combinations, count
+from itertools import count
 from math import hypot, radians, tau
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -119,8 +119,9 @@ def reader_of(
 
 def require_different(paths: Sequence[Path]) -> None:
     """Refuse files or folders of which one is named twice, and would count twice."""
-    for path, other in combinations(paths, 2):
-        if path.resolve() == other.resolve():
+    last = {path.resolve(): path for path in paths}
+    for path in paths:
+        if last[path.resolve()] is not path:
             raise UsageError("named twice", str(path), "name it once")
 
 

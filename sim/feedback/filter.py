@@ -24,7 +24,7 @@ GATE = 11.345  # 99 % of chi-squared with three degrees of freedom
 STRANGE = 3  # readings in a row beyond the gate that mean that the robot was moved
 LEAST = 1e-12  # standard deviation [m], [rad], which keeps exact readings regular
 ABSURD = 1e9  # [m], [rad] or [s]; what is more is a mistake
-FARTHEST_OFF = 10  # [m] or [rad], or per m or rad, that a segment may miss
+MOST = np.repeat([10, 1e6], [12, 78])  # of b [m, rad] and A, and of their covariance
 LEAST_DONE = 0.1  # share of what is meant, below which no segment can make up for it
 LOWER = np.tril_indices(12)  # of the covariance of b and A
 
@@ -68,8 +68,8 @@ class Learnt:
         if len(numbers) != 90:
             raise ValueError(f"90 numbers are needed, got {len(numbers)}")
         bias, slope = np.array(numbers[:3]), np.reshape(numbers[3:12], (3, 3))
-        if not (np.abs(numbers) <= FARTHEST_OFF).all():
-            raise ValueError(f"all must be finite numbers, none beyond {FARTHEST_OFF}")
+        if not (np.abs(numbers) <= MOST).all():
+            raise ValueError(f"b and A must be finite numbers, none beyond {MOST[0]:g}")
         if np.abs(np.linalg.eigvals(np.eye(3) + slope)).min() < LEAST_DONE:
             raise ValueError(f"less than {LEAST_DONE:.0%} of a segment would be walked")
         half = np.zeros((12, 12))

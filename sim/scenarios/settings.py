@@ -113,7 +113,7 @@ class Settings:
     sense_draw: Annotated[int, Range(0, 2**32 - 1)] = setting(
         "number of the random draw of the errors of sensors", 0, "plan"
     )
-    learnt: tuple[Coordinate, ...] | None = setting(
+    learnt: tuple[Annotated[float, Range(-1e6, 1e6)], ...] | None = setting(
         "what an earlier walk has learnt: its learnt.toml, or numbers", None, "plan"
     )
     steer: Literal["ideal", "quasi-static", "identified", "compliant"] = setting(

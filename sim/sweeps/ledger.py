@@ -111,7 +111,7 @@ DIED = "its worker died"  # how the status begins of a point to be walked again
 SEAL = b'{"seal": "%b", '
 LENGTH = len(SEAL % bytes(16))
 LONGEST_LINE = 10**6  # bytes of a line
-LARGEST = 2 * 10**9  # bytes that all outcomes take; most sweeps have a hundredth
+LARGEST = 2 * 10**9  # bytes that a ledger takes as it is held; most have a hundredth
 LARGEST_FILE = 10**9  # bytes of a file of a robot or motion
 INT64 = 2**63  # beyond the numbers that a table takes
 
@@ -199,8 +199,9 @@ def read_ledger(
     a point takes the place of its worker's death. Refused are lines of other software,
     and two results of a point, which has a number. Other points are left out.
     """
-    known, size = dict[str, Outcome](), 0
+    known: dict[str, Outcome] = {}
     for path in paths:
+        size = 0
         for number, line in enumerate(_lines(path), start=1):
             try:
                 one = Outcome.read(line)

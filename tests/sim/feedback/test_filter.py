@@ -16,6 +16,7 @@ from sim.feedback.filter import (
 from sim.feedback.sensing import Sensing, Sensor
 from sim.feedback.stops import Followed, stop_after
 from sim.motion.poses import compose, wrap
+from sim.scenarios.file import load_scenario
 
 CAMERA = Sensing(position=2e-3, yaw=radians(1.0))
 MEANT = np.array([4e-3, 1e-3, 0.02])
@@ -209,6 +210,7 @@ def test_what_was_learnt_is_read_again_as_it_was_written():
         ((0.0,) * 89, "90 numbers are needed, got 89"),
         ((np.nan,) * 90, "finite numbers"),
         ((10.1,) + (0.0,) * 89, "none beyond 10"),
+        ((0.0,) * 12 + (np.inf,) + (0.0,) * 77, "finite numbers"),
         ((0.0,) * 3 + (*-np.eye(3).ravel(),) + (0.0,) * 78, "less than 10% of a segm"),
         ((0.0,) * 12 + (-1.0,) * 78, "positive semidefinite"),
     ],
@@ -216,6 +218,15 @@ def test_what_was_learnt_is_read_again_as_it_was_written():
 def test_what_cannot_have_been_learnt_is_refused(numbers, message):
     with pytest.raises(ValueError, match=message):
         Learnt.of(numbers)
+
+
+def test_what_a_small_robot_has_hardly_seen_is_learnt_again():
+    """Where its feet are 20 mm from its middle, a radian a metre is no large one."""
+    seen = Feedback(CAMERA, 0.02).learnt.numbers
+    assert max(seen) > 10
+    assert Learnt.of(seen).numbers == seen
+    plain = {"replan": True, "sense": "tag", "learnt": list(seen)}
+    assert load_scenario("line", plain).learnt == seen
 
 
 def test_the_bound_is_that_of_a_straight_line_through_readings_of_a_constant_miss():
