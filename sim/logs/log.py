@@ -162,7 +162,7 @@ def _table(path: Path, joints: Sequence[str] = ()) -> dict[str, Array]:
         raise ValueError("it has zero bytes, as UTF-16 does; save it in UTF-8, without")
     head = text.lstrip("\r\n").partition("\n")[0]
     if text.count("\n") > MOST_NUMBERS or max(map(len, text.split("\n"))) > LONGEST_ROW:
-        raise ValueError(f"more than {MOST_NUMBERS} lines, or too long a one")
+        raise ValueError(f"more than {MOST_NUMBERS} lines, or one that is too long")
     lines = filter(None, csv_lines(text, max(",;\t", key=head.count)))
     names = [n if n in joints else n.strip() for n in next(lines, [])]
     if TIME not in names:

@@ -149,14 +149,14 @@ def test_lines_are_counted_before_they_are_parted(read, monkeypatch, bound, most
     """Of millions, or of millions of names in one, reading takes minutes."""
     read("time,hip_1\n0,0\n1,1\n")
     monkeypatch.setattr(f"sim.logs.log.{bound}", most)
-    with pytest.raises(UsageError, match=r"more than \d+ lines, or too long a one"):
+    with pytest.raises(UsageError, match=r"more than \d+ lines, or one that is too"):
         read("\ntime,hip_1\n0,0\n1,1\n")
 
 
 def test_a_long_row_is_refused_before_it_is_parted(read, monkeypatch):
     monkeypatch.setattr("sim.logs.log.LONGEST_ROW", 15)
     read("time,hip_1\n0,0\n1,1\n")
-    with pytest.raises(UsageError, match="or too long a one"):
+    with pytest.raises(UsageError, match="or one that is too long"):
         read("time,hip_1\n0,0\n1," + "1," * 9 + "\n")
 
 

@@ -53,6 +53,13 @@ def test_a_shipped_scenario_is_meant_by_its_name_wherever_the_sweep_lies(tmp_pat
     assert read_sweep(str(path)).at(1).motion is None
 
 
+def test_a_path_leads_from_the_sweep_s_folder_whatever_the_file_is_called(tmp_path):
+    (tmp_path / "line").write_text('[path]\nkind = "line"\ngoal = [0.1, 0, 0]\n')
+    path = tmp_path / "own.toml"
+    path.write_text('scenario = "./line"\n[grid]\nfriction = [0.5, 1.0]\n')
+    assert read_sweep(str(path)).at(1).path.goal == (0.1, 0.0, 0.0)
+
+
 def test_a_sweep_of_a_sweep_is_told_which_file_that_is(tmp_path):
     write_sweep(tmp_path, "[grid]\nfriction = [0.5, 1.0]")
     path = tmp_path / "twice.toml"
