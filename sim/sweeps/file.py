@@ -132,12 +132,8 @@ def _scenario(table: Table, path: Path) -> Table:
         raise UsageError(f"unknown key {key!r}", str(path), did_you_mean(key, KEYS))
     if not isinstance(named, str):
         raise UsageError(f"scenario = {named!r} is no name", str(path), remedy)
-    own = (
-        path.parent / named
-    ).absolute()  # names that are shipped have no dot or slash
-    return scenario_table(str(own) if {*"./"} & {*named} and own.is_file() else named)[
-        0
-    ]
+    at = (path.parent / named).absolute()  # names that are shipped have no dot or slash
+    return scenario_table(str(at) if {*"./"} & {*named} and at.is_file() else named)[0]
 
 
 def _inner(table: Table, key: str) -> Table:

@@ -111,7 +111,9 @@ DIED = "its worker died"  # how the status begins of a point to be walked again
 SEAL = b'{"seal": "%b", '
 LENGTH = len(SEAL % bytes(16))
 LONGEST_LINE = 10**6  # bytes of a line
-LARGEST = 2 * 10**9  # bytes that a ledger takes as it is held; most have a hundredth
+LARGEST_LEDGER = (
+    2 * 10**9
+)  # bytes that a ledger takes as it is held; most have a hundredth
 LARGEST_FILE = 10**9  # bytes of a file of a robot or motion
 INT64 = 2**63  # beyond the numbers that a table takes
 
@@ -206,7 +208,7 @@ def read_ledger(
             try:
                 one = Outcome.read(line)
                 size += 5000 + len(line) + 100 * len(one.numbers)
-                if size > LARGEST:
+                if size > LARGEST_LEDGER:
                     raise ValueError("no sweep has so many points or numbers")
                 if software and (differ := differences(*alike(software, one.software))):
                     raise ValueError(f"it is of other software, {differ[0]}")

@@ -188,7 +188,7 @@ def test_more_than_any_sweep_has_is_refused_by_the_line(tmp_path, monkeypatch):
             [FIRST, replace(SECOND, numbers=dict.fromkeys(map(str, range(99)), 0))]
         )
     assert len(read_ledger(tmp_path / "ledger")) == 2
-    monkeypatch.setattr("sim.sweeps.ledger.LARGEST", 20_000)
+    monkeypatch.setattr("sim.sweeps.ledger.LARGEST_LEDGER", 20_000)
     said = "line 2 is .*, no sweep has so many points or"
     with pytest.raises(UsageError, match=said):
         read_ledger(tmp_path / "ledger")
