@@ -111,9 +111,7 @@ DIED = "its worker died"  # how the status begins of a point to be walked again
 SEAL = b'{"seal": "%b", '
 LENGTH = len(SEAL % bytes(16))
 LONGEST_LINE = 10**6  # bytes of a line
-LARGEST_LEDGER = (
-    2 * 10**9
-)  # bytes that a ledger takes as it is held; most have a hundredth
+LARGEST_LEDGER = 2 * 10**9  # bytes that it takes as it is held; most, a hundredth
 LARGEST_FILE = 10**9  # bytes of a file of a robot or motion
 INT64 = 2**63  # beyond the numbers that a table takes
 
