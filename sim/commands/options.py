@@ -119,9 +119,9 @@ def reader_of(
 
 def require_different(paths: Sequence[Path]) -> None:
     """Refuse files or folders of which one is named twice, and would count twice."""
-    last = {path.resolve(): path for path in paths}
+    last = {os.path.realpath(path): path for path in paths}
     for path in paths:
-        if last[path.resolve()] is not path:
+        if last[os.path.realpath(path)] is not path:
             raise UsageError("named twice", str(path), "name it once")
 
 

@@ -113,11 +113,6 @@ def test_pandas_reads_every_name_as_it_is(form):
         assert list(pd.read_csv(io.StringIO(text)).columns) == ["time", *joints]
 
 
-def test_a_joint_called_as_the_column_of_moments_is_refused():
-    with pytest.raises(UsageError, match="a joint is called 'time'"):
-        source.write_table(commands_of(["time", "b"]))
-
-
 @pytest.mark.parametrize("loader", [yaml.SafeLoader, source.LOADER])
 def test_yaml_gives_every_name_as_it_is(loader):
     for joints in batched(PLAIN, 50):

@@ -9,7 +9,7 @@ import pytest
 
 from planner import merged, play
 from sim.commands.comparing import _kind, _text, draw
-from sim.commands.fit import _cells, _of_servos, _unit
+from sim.commands.fit import _cells, _of_servos
 from sim.commands.plan_report import Prospect, Steps, of_system, of_walk
 from sim.commands.walks import Try, describe, judged, walk_tries
 from sim.evaluation.summary import Weighed
@@ -53,7 +53,6 @@ def test_a_cell_has_two_digits_of_its_error_in_thousandths_of_rad_and_s(
     unit, value, error, cell
 ):
     assert _cells(estimates([value], [error], [unit]), 0) == [cell]
-    assert _unit(parameters(unit)[0]) == {"rad": "mrad", "s": "ms"}.get(unit, unit)
 
 
 def test_servos_are_told_joint_by_joint_and_together():
