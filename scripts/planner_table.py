@@ -64,9 +64,8 @@ def row(name: str) -> tuple[object, ...]:
 def _measured(problem: Problem, extended: planner.ExtendedSystem) -> float:
     """The order with which the distance from the goal falls."""
     path = planner.line(*problem.states)
-    plans = (
-        planner.plan(extended, path, n, execution=problem.execution) for n in COUNTS
-    )
+    how = problem.execution
+    plans = (planner.plan(extended, path, n, execution=how) for n in COUNTS)
     misses = [np.linalg.norm(planner.rollout(p)[-1] - problem.states[1]) for p in plans]
     return math.log2(misses[0] / misses[1])
 

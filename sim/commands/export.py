@@ -29,9 +29,7 @@ RATE = 50.0  # commands a second of a walk without a rate, as most hobby servos 
 IN_COMMANDS = "zero_offset", "command_delay"  # imperfections of servos that are
 ASSUMED = "mounting assumed: channels in the order of joints, senses +, centres alike"
 
-ON_PULSES = (
-    "its servos take pulses; ticks are 4096 a turn where the card gives no counts"
-)
+ON_PULSES = "its servos take pulses; ticks are 4096 a turn without counts of the card"
 
 
 def export(options: argparse.Namespace) -> ExitCode:

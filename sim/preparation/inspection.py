@@ -78,9 +78,7 @@ def _servos(scenario: Scenario, kinematics: models.Kinematics, world: World) -> 
     drives = [actuator_of(model, joint) for joint in robot.card.joints]
     softest = float(model.actuator_gainprm[drives, 0].min())
     own = asked.name == "ideal" and softest < SOFT_STIFFNESS  # of the robot's file
-    makes = sorted(
-        (kind.stall_torque, name) for name, kind in models.SERVO_KINDS.items()
-    )
+    makes = sorted((k.stall_torque, n) for n, k in models.SERVO_KINDS.items())
     return {
         "name": "own" if own else asked.name,
         "stiffness": softest,

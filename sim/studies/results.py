@@ -10,13 +10,14 @@ from functools import cached_property
 from itertools import compress
 from pathlib import Path
 from types import NoneType
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
 from planner import Array
 from planner.support import did_you_mean
 from sim.errors import UsageError
+from sim.evaluation.verdict import Word
 from sim.scenarios.declaration import refusal
 from sim.scenarios.predictions import PREDICTIONS
 from sim.sweeps.folder import SIDE_BY_SIDE, SweepFolder
@@ -68,8 +69,7 @@ class Results:
     def classes(self) -> Array:
         """Index of each point's class, in the order of `counts`, shape (N,)."""
         found = np.searchsorted(self.limits, np.nan_to_num(self.off, nan=np.inf))
-        words = self.columns.get("verdict", [None] * len(self))
-        fell = np.array([word == "fell" for word in words])
+        fell = np.array([word == "fell" for word in self.columns["verdict"]])
         return np.where(self.walked, np.where(fell, FELL, found), NO_WALK)
 
     @property
@@ -137,8 +137,9 @@ def read_results(path: Path, prediction: str = "") -> Results:
     (point, times), *_ = Counter(columns["point"]).most_common(1) or [(0, 1)]
     if times > 1:
         raise UsageError.of("in_rows", file, point=point, times=times)
-    _require("status", columns["status"], "texts", str)
-    _require("verdict", columns["verdict"], "texts", str, NoneType)
+    _require("status", columns["status"], "texts in print", str)
+    if odd := {*columns["verdict"]} - {None, *get_args(Word)}:
+        raise refusal(min(odd, key=str), "a verdict", str(file), "verdict")
     for key in keys:
         _require(key, columns[key], "one value", bool, int, float, str, least=-MOST)
     judges = [name for name in columns.get(JUDGE, ()) if name]
@@ -167,6 +168,7 @@ def _require(
     """Refuse a column with a value of another type, or a number out of bounds."""
     for row, value in enumerate(values):
         number = value if isinstance(value, int | float) else least
-        if type(value) not in kinds or not least <= number <= MOST:
+        odd = type(value) not in kinds or not str(value).isprintable()
+        if odd or not least <= number <= MOST:
             wanted += f" to {MOST:g}" * (number > MOST)
             raise refusal(value, wanted, "the table", f"row {row} of column {name!r}")

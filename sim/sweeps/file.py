@@ -30,6 +30,7 @@ LINEAR, LOGARITHMIC = "linear", "log"
 LAST_END = 1e100  # between ends beyond it there may be no numbers
 OF_SOBOL = {"points", "seed"}  # which are no settings there
 MOST_POINTS = 50_000  # of a sweep; checking them takes some ten seconds
+MOST_KEYS = 100  # of a sweep; of so many points they take half a gigabyte
 MOST_TEXT = 10**8  # bytes of the scenarios of all points, checked in half a minute
 WHOLE = {name for name, item in SETTINGS.items() if item.includes(int)}
 STUDIES = Path(str(files("sim.studies")))
@@ -90,15 +91,17 @@ def read_sweep(source: str) -> Sweep:
     scenario = _scenario(table, path)
     fixed = dict(flat(_inner(table, "set")))
     anchor(fixed, path.parent)
-    given = [*grid_blocks(_inner(table, "grid"))]
-    for key, made in (("list", list_block), ("sobol", sobol_block)):
-        given += [made(inner)] if (inner := _inner(table, key)) else []
-    blocks = tuple(_anchored(block, path.parent) for block in given)
     tables = (_inner(table, name) for name in ("set", "grid", "list", "sobol"))
     times = Counter(key for inner in tables for key, _ in flat(inner))
     times.subtract(_inner(table, "sobol").keys() & OF_SOBOL)
     for key in (key for key, count in times.items() if count > 1):
         raise UsageError(f"{key} is given twice", source, "keep it in one table")
+    if (count := len(+times)) > MOST_KEYS:
+        raise UsageError.of("keys", source, count=count, most=MOST_KEYS)
+    made = [*grid_blocks(_inner(table, "grid"))]
+    made += [list_block(inner)] if (inner := _inner(table, "list")) else []
+    made += [sobol_block(inner)] if (inner := _inner(table, "sobol")) else []
+    blocks = tuple(_anchored(block, path.parent) for block in made)
     keep = _run_folders(_inner(table, "keep"), _count(blocks))
     without = left_out(table.get("without", []))
     return Sweep(path.stem, scenario, fixed, blocks, without, *keep)
@@ -149,7 +152,7 @@ def _anchored(block: Block, folder: Path) -> Block:
     rows = [dict(zip(keys, choice, strict=True)) for choice in choices]
     for values in rows:
         anchor(values, folder)
-    return keys, [tuple(values[key] for key in keys) for values in rows]
+    return keys, [tuple(values.values()) for values in rows]
 
 
 def left_out(given: object) -> tuple[str, ...]:
@@ -197,9 +200,8 @@ def sobol_block(table: Table) -> Block:
     count = _whole("points", table.get("points"), 1, MOST_POINTS)
     seed = _whole("seed", table.get("seed", 0), 0, 2**32 - 1)
     spans = dict(flat({k: v for k, v in table.items() if k not in OF_SOBOL}))
-    if not 0 < len(spans) <= qmc.Sobol.MAXDIM:
-        facts = {"count": len(spans) or "no", "most": qmc.Sobol.MAXDIM}
-        raise UsageError.of("keys", "[sobol]", **facts)
+    if not spans:
+        raise UsageError.of("keys", "[sobol]", count="no", most=MOST_KEYS)
     engine = qmc.Sobol(len(spans), scramble=True, rng=np.random.default_rng(seed))
     unit = engine.random_base2(math.ceil(math.log2(count)))[:count]
     columns = [

@@ -2,6 +2,7 @@
 
 import pytest
 
+from models.adoption.draft import draft_card
 from models.adoption.source import source_of
 from tests.models.adoption.test_draft import BOX, written
 
@@ -23,3 +24,15 @@ def test_joints_that_are_to_turn_slower_than_they_will_are_named(tmp_path, speed
     assert len(notes) == bool(said)
     for note in notes:
         assert f" and 10 more are to turn at {said} rad/s at most" in note
+
+
+@pytest.mark.parametrize(("end", "told"), [("6.2", False), ("45", True)])
+def test_a_joint_whose_limits_are_in_degrees_is_named(tmp_path, end, told):
+    ends = f'lower="-{end}" upper="{end}"'
+    path = written(BOX, tmp_path, 'lower="[^"]*" upper="[^"]*"', ends)
+    notes = [n for n in draft_card(source_of(str(path))).guesses if " may turn " in n]
+    assert bool(notes) == told
+    for note in notes:
+        assert note.startswith(
+            "joint 'yaw6' may turn by 5157 degrees: limits of a URDF"
+        )

@@ -28,9 +28,6 @@ def test_a_robot_that_fell_is_in_a_class_of_its_own_however_near_it_was():
     words = ["arrived", "fell", "missed"]
     found = results([0.001, 0.001, 0.2], verdict=words)
     assert found.classes.tolist() == [0, 4, 3]
-    none = results([0.001])
-    del none.columns["verdict"]
-    assert none.classes.tolist() == [0]
 
 
 def test_walks_whose_prediction_could_not_be_made_are_left_out_and_counted():

@@ -56,6 +56,8 @@ FOREIGN = {
         of("friction", ["x" * 50_000, "y", "z"]),
         "",
     ),
+    "a verdict of no walk": (of("verdict", ["fell", "a\x1b[31m", None]), "a verdict"),
+    "a status out of print": (of("status", ["ok", "a\x1b[31m", "ok"]), "in print"),
     "a point twice": (of("point", [0, 1, 1]), "point 1 stands in 2 rows: "),
     "a huge distance": (of(FARTHEST_OFF, [0.1, 1e300, 0.1]), "numbers from 0 to 1e+12"),
     "a way of nearly nothing": (of("path_length", [1e-320] * 3), ""),

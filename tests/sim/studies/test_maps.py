@@ -18,6 +18,7 @@ def test_a_number_in_a_map_is_within_the_class_whose_colour_it_has():
         "point": [*range(4)], "status": ["ok"] * 4, "speed": ["a", "b", "a", "b"],
         "friction": ["c", "c", "d", "d"], "path_length": [1.0] * 4,
         "distance_walked": [1.0] * 4, "error.ideal.farthest": shares,
+        "verdict": [None] * 4,
     }  # fmt: skip
     keys = ("speed", "friction")
     results = Results(columns, keys, "ideal", limits=(0.0015, 0.002, 0.003))

@@ -184,7 +184,7 @@ def test_fitted_classes_divide_the_points_in_thirds_at_round_numbers(
     columns = {
         "point": [*range(count)], "status": ["ok"] * count,
         "path_length": [1.0] * count, "distance_walked": [1.0] * count,
-        "error.ideal.farthest": shares,
+        "error.ideal.farthest": shares, "verdict": [None] * count,
     }  # fmt: skip
     fitted = Results(columns, (), "ideal").fitted()
     assert fitted.limits == pytest.approx(limits)

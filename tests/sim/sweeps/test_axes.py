@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from sim.errors import UsageError
+from sim.sweeps import file
 from sim.sweeps.file import grid_blocks, list_block, sobol_block
 
 
@@ -89,10 +90,30 @@ def test_impossible_values_are_refused(given, said):
         ({"friction": [0, 1]}, "points = None is not allowed"),
         ({"points": 4}, "no keys vary"),
         ({"points": 4, "friction": [0, 0.5, 1]}, "no two ends"),
-        ({"points": 4} | {f"k{i}": [0, 1] for i in range(30_000)}, "30000 keys vary"),
         ({"points": 4, "seed": -1, "friction": [0, 1]}, "seed = -1 is not allowed"),
     ],
 )
 def test_impossible_samples_are_refused(table, said):
     with pytest.raises(UsageError, match=said):
         sobol_block(table)
+
+
+@pytest.mark.parametrize(
+    ("table", "value"),
+    [
+        ("grid", "{ from = 0, to = 1, count = 50000 }"),
+        ("list", "{ from = 0, to = 1, count = 50000 }"),
+        ("sobol", "[0, 1]"),
+    ],
+)
+def test_more_keys_than_there_are_settings_are_refused_before_their_values_are_made(
+    tmp_path, table, value, monkeypatch
+):
+    """Each would be 50,000 values; there are 70 settings."""
+    monkeypatch.setattr(file, "_stretch", lambda *_: pytest.fail("values are made"))
+    rows = "\n".join(f"k{n} = {value}" for n in range(101))
+    sweep = tmp_path / "keys.toml"
+    points = "points = 50000\n" * (table == "sobol")
+    sweep.write_text(f'scenario = "line"\n[{table}]\n{points}{rows}\n')
+    with pytest.raises(UsageError, match="^101 keys vary: .*; give from 1 to 100 of"):
+        file.read_sweep(str(sweep))
