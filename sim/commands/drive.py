@@ -7,7 +7,7 @@ import sys
 import time
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import count, islice
 from math import hypot, isfinite, nan
 from pathlib import Path
@@ -139,10 +139,12 @@ class Poses:
 def _pose(line: str) -> tuple[float, list[float]]:
     """Time and pose of a line; what it does not tell is NaN."""
     known = dict.fromkeys(("time", "x", "y", "yaw"), nan)
-    table = known | json.loads(line, parse_int=float)
-    if odd := table.keys() - known:
+    given = json.loads(line, parse_int=float)
+    if odd := given.keys() - known:
         raise ValueError(f"unknown key {min(odd)[:40]!r}")
-    when, *pose = values = [nan if value is None else value for value in table.values()]
+    if line.count(":") > len(given):
+        raise ValueError("a key twice")
+    when, *pose = values = [nan if v is None else v for v in (known | given).values()]
     if {type(value) for value in values} != {float}:
         raise ValueError("not a number")
     if not isfinite(when) or any(abs(value) > 1e6 for value in pose):
@@ -159,7 +161,7 @@ class Link:
     pace: float
     patience: float
     began: float | None = None
-    last: tuple[float, list[float]] | None = None  # pose
+    seen: list[tuple[float, list[float]]] = field(default_factory=list)  # of a stop
 
     def send(self, walk: "ServedWalk", rows: "Iterable[Row]") -> None:
         """Write commands, each when its time has come."""
@@ -182,7 +184,7 @@ class Link:
     def reading(self, walk: "ServedWalk") -> list[float]:
         """The mean of the poses of a stop, while the robot stands; NaN without any."""
         sensing, stopped = walk.feedback.sensing, walk.time
-        found = list[list[float]]()
+        found, self.seen = list[list[float]](), []
         due = (len(walk.stops) + 1) % sensing.every == 0
         if due and (sensing.until is None or len(walk.stops) < sensing.until):
             while len(found) < sensing.readings and not self.poses.ended:
@@ -200,8 +202,9 @@ class Link:
         """Poses that have come and are not older than a moment [s], each once."""
         wait, until = 1e-3 if self.pace else REPLY, time.monotonic() + 10 * REPLY
         while time.monotonic() < until and (reading := self.poses.next(wait)):
-            (when, pose), before, self.last = reading, self.last, reading
+            when, pose = reading
             if when > now + AHEAD:
                 raise UsageError.of("ahead", "--poses", when=when, now=now)
-            if when >= moment and reading != before:
+            if when >= moment and reading not in self.seen:
+                self.seen.append(reading)
                 yield pose

@@ -82,8 +82,7 @@ class Log:
 
     def at(self, time: Array) -> Array:
         """Commands at times (T,), evenly between rows, held beyond the ends, (T, J)."""
-        columns = [np.interp(time, self.time, angle) for angle in self.commanded.T]
-        return np.stack(columns, axis=1)
+        return np.stack([np.interp(time, self.time, a) for a in self.commanded.T], 1)
 
     def held(self, time: Array) -> Array:
         """Commands at times (T,), held until the next one, whose mean they are then."""
@@ -160,10 +159,11 @@ def _table(path: Path, joints: Sequence[str] = ()) -> dict[str, Array]:
     text = read_file(path, LARGEST_LOG).decode("utf-8-sig", "replace")
     if "\0" in text:
         raise ValueError("it has zero bytes, as UTF-16 does; save it in UTF-8, without")
-    head = text.lstrip("\r\n").partition("\n")[0]
+    head = text.lstrip("\r\n").partition("\n")[0].replace('"', "")
     if text.count("\n") > MOST_NUMBERS or max(map(len, text.split("\n"))) > LONGEST_ROW:
         raise ValueError(f"more than {MOST_NUMBERS} lines, or one that is too long")
-    lines = filter(None, csv_lines(text, max(",;\t", key=head.count)))
+    parted = max(",;\t", key=lambda mark: (TIME + mark in head, head.count(mark)))
+    lines = filter(None, csv_lines(text, parted))
     names = [n if n in joints else n.strip() for n in next(lines, [])]
     if TIME not in names:
         raise ValueError("no column 'time'; begin with a line of names: time, JOINT")

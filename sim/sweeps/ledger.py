@@ -111,7 +111,7 @@ DIED = "its worker died"  # how the status begins of a point to be walked again
 SEAL = b'{"seal": "%b", '
 LENGTH = len(SEAL % bytes(16))
 LONGEST_LINE = 10**6  # bytes of a line
-LARGEST_LEDGER = 2 * 10**9  # bytes that it takes as it is held; most, a hundredth
+LARGEST_LEDGER = 2 * 10**9  # bytes that it takes, held and as a table; most, less
 LARGEST_FILE = 10**9  # bytes of a file of a robot or motion
 INT64 = 2**63  # beyond the numbers that a table takes
 
@@ -200,13 +200,15 @@ def read_ledger(
     and two results of a point, which has a number. Other points are left out.
     """
     known: dict[str, Outcome] = {}
+    names: set[str] = set()  # of numbers, each a column of the table
     for path in paths:
         size = 0
         for number, line in enumerate(_lines(path), start=1):
             try:
                 one = Outcome.read(line)
                 size += 5000 + len(line) + 100 * len(one.numbers)
-                if size > LARGEST_LEDGER:
+                names |= one.numbers.keys()
+                if size + len(names) * (6000 + 20 * len(known)) > LARGEST_LEDGER:
                     raise ValueError("no sweep has so many points or numbers")
                 if software and (differ := differences(*alike(software, one.software))):
                     raise ValueError(f"it is of other software, {differ[0]}")

@@ -86,6 +86,11 @@ class Player(plugin.SimPlugin):
         self._playback.go_to(0.0)
         return True
 
+    @messages.handler
+    def on_threads(self, event: messages.ThreadPoolEvent) -> bool:
+        """Ask for no threads, with too many of which the process would end."""
+        return True
+
 
 class Scene(plugin.ViewerPlugin):
     """Draws the marks of the moment that the viewer shows."""

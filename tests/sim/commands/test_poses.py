@@ -41,6 +41,7 @@ def test_poses_are_lines_and_what_they_do_not_tell_is_not_a_number():
         '{"time": 1, "x": true}',
         '{"time": 1, "yaw": "\u0661"}',
         '{"time": 1, "X": 0.1}',
+        '{"time": 1, "x": 0.1, "x": 0.2}',
         "[" * 100_000,
     ],
 )
@@ -98,7 +99,7 @@ def test_poses_of_another_clock_are_refused(when):
     """Of epoch, in milliseconds, three seconds ahead: all that came would count."""
     came = iter([(3.4, [0.0, 0.0, 0.0]), (when, [0.0, 0.0, 0.0])])
     poses = SimpleNamespace(next=lambda _: next(came))
-    link = SimpleNamespace(poses=poses, pace=1.0, last=None)
+    link = SimpleNamespace(poses=poses, pace=1.0, seen=[])
     since = command.Link._since(link, 3.0, 3.5)
     assert next(since) == [0.0, 0.0, 0.0]
     with pytest.raises(UsageError, match=r"a pose of .* s came when .* of 3.5 s"):
@@ -109,6 +110,9 @@ def test_a_pose_that_is_sent_thrice_is_one_reading():
     sent = {"x": 0.0, "y": 0.0, "yaw": 0.0}
     other = {"x": 0.03, "y": 0.0, "yaw": 0.0}
     assert mean_of(sent, sent, sent, other, readings=2) == ([0.015, 0.0, 0.0], 0)
+    third = {"x": 0.06, "y": 0.0, "yaw": 0.0}
+    mean = pytest.approx([0.03, 0.0, 0.0])
+    assert mean_of(sent, other, sent, other, third, readings=3) == (mean, 0)
 
 
 @pytest.mark.parametrize(
@@ -143,6 +147,6 @@ def test_poses_since_a_moment_are_read_without_waiting_where_the_walk_has_a_pace
         return next(came)
 
     poses = SimpleNamespace(next=next_pose)
-    link = SimpleNamespace(poses=poses, pace=pace, last=None)
+    link = SimpleNamespace(poses=poses, pace=pace, seen=[])
     assert [*command.Link._since(link, 1.0, 1.2)] == ["b", "c"]
     assert asked == [waits] * 4

@@ -40,6 +40,17 @@ def test_a_log_of_commands_alone_is_read_with_blank_lines_and_columns_around(rea
     assert (log.measured, log.pose, log.lean, log.contact) == (None, None, None, {})
 
 
+def test_marks_in_names_do_not_part_columns(tmp_path):
+    path = tmp_path / "log.csv"
+    for text, name in (
+        ("time,hip;;1\n0,0\n1,1\n", "hip;;1"),
+        ('time;"a,b,c"\n0;0\n1;1\n', "a,b,c"),
+        ('"time"\t"a,b,c;d"\n0\t0\n1\t1\n', "a,b,c;d"),
+    ):
+        path.write_text(text)
+        assert read_log(path, (name,), LEGS).commanded.tolist() == [[0], [1]]
+
+
 def test_degrees_hold_for_every_angle_and_a_function_for_joints_alone(read):
     names = "time,hip_1,measured.hip_1,body.yaw,body.yaw.error"
     text = f"{names}\n0,90,90,90,90\n1,0,0,0,0\n"

@@ -194,6 +194,20 @@ def test_more_than_any_sweep_has_is_refused_by_the_line(tmp_path, monkeypatch):
         read_ledger(tmp_path / "ledger")
 
 
+def test_numbers_that_no_sweep_has_as_many_of_are_refused(tmp_path, monkeypatch):
+    """Each name is a column of the table, of all points, whoever has a number there."""
+    monkeypatch.setattr("sim.sweeps.ledger.LARGEST_LEDGER", 10**6)
+    names = [f"x{n}" for n in range(200)]
+    for own, path in ((names[:100], tmp_path / "one"), (names[100:], tmp_path / "two")):
+        first = replace(FIRST, numbers=dict.fromkeys(names[:100], 0))
+        second = replace(SECOND, numbers=dict.fromkeys(own, 0))
+        with opened(path) as ledger:
+            ledger.add([first, second])
+    assert len(read_ledger(tmp_path / "one")) == 2
+    with pytest.raises(UsageError, match="line 2 is .*, no sweep has so many"):
+        read_ledger(tmp_path / "two")
+
+
 def test_results_of_no_point_of_a_sweep_are_left_out(tmp_path):
     with opened(tmp_path / "ledger") as ledger:
         ledger.add([FIRST, SECOND])

@@ -223,3 +223,19 @@ def test_an_interruption_that_a_library_loses_leaves_no_replay(folder, monkeypat
     finally:
         forget_interruption()
     assert not (folder / replay.NAME).exists()
+
+
+def test_a_client_that_asks_for_threads_gets_none(recorded, model, monkeypatch):
+    """So many would end the process."""
+    from mujoco.studio import messages
+    from mujoco.studio.viewer_handle import ViewerHandle
+
+    from sim.viewing.plugins import Player
+
+    made = []
+    monkeypatch.setattr(mujoco, "mju_threadpool", lambda *asked: made.append(asked))
+    player = Player(recorded, Playback(end=1.0))
+    handle = ViewerHandle(mock.MagicMock(), sim_plugins=[player])
+    handle.set_model(model)
+    handle.dispatch(messages.ThreadPoolEvent(nthread=100_000))
+    assert not made
