@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from math import atan2, hypot
 from pathlib import Path
 from tempfile import NamedTemporaryFile
+from xml.sax.saxutils import quoteattr
 
 import mujoco
 
@@ -26,6 +27,7 @@ from planner.support import read_file
 
 FREE = re.compile(r"<freejoint|type=\"free\"")
 PACKAGE = r'package://([^/"]+)/([^"]+)'
+HIDES = re.compile(r"<(!ENTITY|!ATTLIST|xacro:\w+)")  # what the engine does not read
 FILE = r"(?<=[\"'])file://"
 PARENTS = 4  # folders above a URDF in which its packages are looked for
 ROOT = "adopted_world"  # link that a URDF's base floats in
@@ -123,7 +125,7 @@ def _in_package(folder: Path, name: re.Match[str]) -> str:
 
 
 def _from_urdf(path: Path, text: str) -> str:
-    """MJCF of a URDF whose base floats, its parts named."""
+    """MJCF of a URDF whose base floats, its parts named, as seen from its folder."""
     try:
         robot = _parsed(text)
     except ET.ParseError as error:
@@ -161,9 +163,8 @@ def _from_urdf(path: Path, text: str) -> str:
                 raise refusal("limits", path, joint=joint.name, low=low, high=high)
         spec.compile()
     named(spec)
-    here = f' meshdir="{spec.meshdir}"'
-    # as seen from the folder that the MJCF is written to, wherever that is moved
-    return str(spec.to_xml()).replace(here, f' meshdir="{own}"' if own else "", 1)
+    here = f" meshdir={quoteattr(own)}" if own else ""
+    return re.sub(' meshdir="[^"]*"', lambda _: here, str(spec.to_xml()), count=1)
 
 
 THICKNESS = 0.06  # radius of a rod in lengths of the longest one
@@ -175,8 +176,8 @@ Point = tuple[float, float, float]
 
 def _parsed(text: str) -> ET.Element:
     """The root of a text, its elements without their namespace, or those of others."""
-    if hides := re.search("<!(ENTITY|ATTLIST)", text):  # what the engine does not read
-        raise ET.ParseError(f"{hides[0]}> is not read; take it out")
+    if hides := HIDES.search(re.sub("(?s)<!--.*?-->", "", text)):
+        raise ET.ParseError(f"{hides[0]}> is not read; expand it with xacro")
     root = ET.fromstring(text)
     space = root.tag[: root.tag.find("}") + 1]
     for element in root.iter():

@@ -186,7 +186,7 @@ HANDY = 35 * 10**7  # bytes of a compiled model, of which copies are made, and o
 DRAWN = 170  # bytes that a picture of a height field takes for each height
 NAMING = 0.5  # seconds of the processor, a hundred times what robots take
 MOST_KEYS = 1000  # keyframes, of which each takes long to leave out among many
-STATES_KEPT = 1000  # of a walk that are kept at once
+STATES_KEPT, HISTORIES = 1000, 10  # of a walk that are kept at once, at most
 TOO_LARGE = ("Could not allocate memory", "allocation failed", "unknown exception")
 """What MuJoCo says where memory ends."""
 
@@ -202,7 +202,7 @@ def examine(path: Path) -> list[Path]:
         raise refusal("flexes", path, count=model.nflex)
     numbers = model.nsensordata + model.nuserdata + model.nq + model.nv
     size = mujoco.mj_sizeModel(model) + DRAWN * model.nhfielddata
-    size += 8 * STATES_KEPT * numbers
+    size += 8 * (STATES_KEPT * numbers + HISTORIES * model.nhistory)
     if size > HANDY:
         facts = {"states": STATES_KEPT, "size": size / 1e9, "most": HANDY / 1e9}
         raise refusal("large_states", path, **facts)

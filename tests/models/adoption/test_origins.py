@@ -70,3 +70,25 @@ def test_urdf_finds_meshes_beside_itself_in_a_folder_of_any_name(tmp_path):
     source = source_of(str(path))
     assert "meshes/hull.obj" in source.text
     assert not source.notes
+
+
+def test_instructions_to_xacro_are_refused_unless_they_are_in_comments(tmp_path):
+    """They would be dropped, such as the limits of a joint."""
+    path = next(one for one in ADOPTEES if one.name == "box").write(tmp_path)
+    text = path.read_text().replace("<robot ", '<robot xmlns:xacro="x" ', 1)
+    asked = '<xacro:limits lower="-0.4"/>'
+    path.write_text(text.replace("</link>", f"<!-- {asked} <!ENTITY --></link>", 1))
+    assert source_of(str(path)).text
+    path.write_text(text.replace("</link>", f"{asked}</link>", 1))
+    with pytest.raises(ModelError, match="; <xacro:limits> is not read; expand it"):
+        source_of(str(path))
+
+
+def test_a_folder_of_meshes_may_have_a_name_that_xml_quotes(tmp_path):
+    folder = tmp_path / "R&D"
+    folder.mkdir()
+    (folder / "hull.obj").write_text(HULL)
+    path = next(one for one in ADOPTEES if one.name == "box").write(folder)
+    shape = HIDDEN.format("hull.obj")
+    path.write_text(path.read_text().replace("</link>", f"{shape}</link>", 1))
+    assert 'meshdir="' not in source_of(str(path)).text
