@@ -31,7 +31,7 @@ NOTHING = 1e-300  # beside angles [rad]
 LAW_STEP = 0.004  # [s] of the law, which is solved exactly in between
 KNOTS = 10  # steps from one evaluation of weights to the next
 GOING = 1.0  # [s] in which the robot goes from its start to the log's first row
-LIGHTEST = 1e-7  # [kg m^2]
+LIGHTEST, LEAST_LAG = 1e-7, 1e-3  # [kg m^2], and [s] of damping by stiffness
 NEAR_RATE = 1.02  # ratio of rates of rows and of commands, below which these are those
 SETTLING = 0.5  # [s] that it then stands
 
@@ -167,7 +167,8 @@ def known_servos(setup: Setup, log: Log) -> tuple[Array, Array]:
     """Stiffness and damping of the log's joints as the robot has them, (J,) each."""
     model, servos = setup.as_planned.model, _servos(setup, log)
     damping = model.dof_damping[_dofs(model, log)] - model.actuator_biasprm[servos, 2]
-    return model.actuator_gainprm[servos, 0].copy(), damping
+    stiffness = model.actuator_gainprm[servos, 0].copy()
+    return stiffness, np.maximum(damping, LEAST_LAG * stiffness)
 
 
 def _inertia(model: mujoco.MjModel, dofs: Array) -> tuple[Array, Array]:

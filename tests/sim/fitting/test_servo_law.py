@@ -197,6 +197,16 @@ def test_servos_are_known_as_the_scenario_has_them():
     assert made.shape == (2, 6)
 
 
+def test_servos_without_damping_are_expected_with_a_little(standing):
+    """Of nothing there is no logarithm, and every estimate would be no number."""
+    robot = load("hexapod")
+    changes = {"servo_stiffness": 33.0, "servo_damping": 0.0}
+    setup = prepare(load_scenario("line", changes), robot)
+    known = known_servos(setup, logged(robot, robot.card.joints[3:5], 0.0))
+    assert known[1] == pytest.approx([0.033, 0.033])
+    assert np.isfinite(servos(*known)).all()
+
+
 @pytest.mark.physics
 def test_joints_of_a_standing_robot_bear_its_weight(standing):
     """By virtual work: all lift joints together raise the body."""
