@@ -107,9 +107,11 @@ def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | No
 
 def _check_logs(paths: Sequence[Path], logs: Sequence[Log], held: bool) -> None:
     """Refuse logs that tell nothing of servos or walks, too much, or other joints."""
-    count = sum(log.measured.size for log in logs if log.measured is not None)
-    if count > fitting.MOST_ANGLES:
-        raise UsageError.of("many_angles", paths[0], most=fitting.MOST_ANGLES)
+    known = [(log, m.size) for log in logs if (m := log.measured) is not None]
+    seconds = sum(log.duration * len(log.joints) for log, _ in known)
+    count = sum(size for _, size in known)
+    if count + fitting.A_SECOND * seconds > fitting.MOST_ANGLES:
+        raise UsageError.of("many_angles", paths[0], count=count, seconds=seconds)
     for path, log in zip(paths, logs, strict=True):
         if log.measured is None and log.pose is None:
             raise UsageError.of("unmeasured", path)

@@ -35,11 +35,12 @@ class RosLoader(yaml.SafeLoader):  # type: ignore[misc]
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> Any:
         """A table in which no key stands twice, since the last would count."""
         pairs = node.value if isinstance(node, yaml.MappingNode) else []
-        names = [str(key.value) for key, _ in pairs]
-        for place, (key, _) in enumerate(pairs):
-            if names[place] in names[:place]:
-                what = f"{names[place]!r} stands there twice"
+        seen = set[str]()
+        for key, _ in pairs:
+            if (name := str(key.value)) in seen:
+                what = f"{name!r} stands there twice"
                 raise yaml.MarkedYAMLError(None, None, what, key.start_mark)
+            seen.add(name)
         return super().construct_mapping(node, deep)
 
 

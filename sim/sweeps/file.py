@@ -53,6 +53,7 @@ class Sweep:
 
     def __post_init__(self) -> None:
         count, size = _count(self.blocks), len(repr((self.scenario, self.fixed)))
+        size += sum(len(repr(part)) // len(part) for _, part in self.blocks)
         if count > (most := min(MOST_POINTS, MOST_TEXT // size)):
             facts = {"count": count, "most": most}
             raise UsageError.of("points", f"sweep {self.name!r}", **facts)

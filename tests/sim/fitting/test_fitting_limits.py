@@ -23,10 +23,15 @@ def test_three_quarters_of_a_log_are_fitted_and_the_rest_checks():
 def test_more_angles_than_memory_is_lent_for_are_refused(monkeypatch):
     monkeypatch.setattr("sim.fitting.fitting.MOST_ANGLES", 79)
     log = SimpleNamespace(time=np.arange(20.0), measured=np.ones((20, 2)))
-    log.joints, log.pose = ("hip", "knee"), None
+    log.joints, log.pose, log.duration = ("hip", "knee"), None, 0.1
     _check_logs(["a"], [log], held=False)
-    with pytest.raises(UsageError, match="more than 79 measured angles: a; give a par"):
+    with pytest.raises(
+        UsageError, match="80 measured angles in 0 s of .*: a; give a p"
+    ):
         _check_logs(["a", "b"], [log, log], held=False)
+    log.duration = 0.2  # however few its rows are
+    with pytest.raises(UsageError, match="40 measured angles in 0 s of all joints"):
+        _check_logs(["a"], [log], held=False)
 
 
 def estimates(parameters, value, error):

@@ -284,3 +284,11 @@ def test_no_worker_is_begun_in_a_folder_that_is_gone(tmp_path, monkeypatch):
     gone.rmdir()
     with pytest.raises(FileNotFoundError), ExitStack() as stack:
         worker_pool._local(stack, 1)
+
+
+def test_what_varies_counts_as_what_its_points_take_to_be_checked():
+    """Each is a scenario of its own, with the path that it has."""
+    path = [[0.0, float(n)] for n in range(9000)]
+    blocks = (("path.points",), [(path,)]), (("friction",), [(0.5,)] * 2000)
+    with pytest.raises(UsageError, match=r"2000 points: .* at most \d{3} points"):
+        Sweep("s", {}, {}, blocks, ())
