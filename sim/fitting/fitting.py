@@ -120,9 +120,11 @@ def _fitted_model(setup: Setup, log: Log, whole: Array) -> mujoco.MjModel:
 
 def check_measured(path: Path, log: Log) -> None:
     """Refuse a log that measured too little to fit servos, or nothing that checks."""
-    short = len(log.time) < FEWEST_ROWS
-    if log.measured is not None and (short or np.isnan(_rows(log, True)[1]).all()):
-        raise UsageError.of("few_rows", path, FEWEST_ROWS=FEWEST_ROWS)
+    if log.measured is not None:
+        counts = np.isfinite(log.measured).sum(axis=0)
+        few = (counts[counts > 0] < FEWEST_ROWS).any()
+        if few or np.isnan(_rows(log, True)[1]).all():
+            raise UsageError.of("few_rows", path, FEWEST_ROWS=FEWEST_ROWS)
 
 
 def _rows(log: Log, kept: bool) -> tuple[Array, Array]:

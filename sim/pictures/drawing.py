@@ -11,6 +11,7 @@ from sim import palette
 from sim.motion.poses import length_up_to
 
 CORNERS = 24  # of a disc
+MOST_DASHES = 5000  # of a line
 PIECE = 400  # triangles that are passed to the driver at once
 
 
@@ -91,7 +92,7 @@ def ribbon(line: Array, frames: Array, width: float, jump: float = np.inf) -> Dr
 def dashes(line: Array, period: float, width: float) -> Drawing:
     """A dashed line that is there from the first frame on; a period is dash and gap."""
     way, pieces = length_up_to(line), []
-    for start in np.arange(0.0, way[-1], period):
+    for start in np.arange(0.0, way[-1], period := max(period, way[-1] / MOST_DASHES)):
         stop = min(start + 0.5 * period, way[-1])
         at = np.concatenate([[start], way[(way > start) & (way < stop)], [stop]])
         piece = np.stack([np.interp(at, way, c) for c in line.T], axis=1)

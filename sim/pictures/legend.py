@@ -81,7 +81,7 @@ def length(words: str, size: int = SMALL) -> int:
 
 def fitting(words: str, width: int, size: int = SMALL) -> str:
     """Words cut to a width [pixels]."""
-    cut = words
+    cut = words if len(words) <= width else words[:width] + "..."
     while cut and length(cut, size) > width:
         cut = cut.removesuffix("...")[:-1] + "..."
     return cut

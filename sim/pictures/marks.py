@@ -32,6 +32,7 @@ FINENESS = 0.002  # by which outlines are simplified
 
 ROUND = (1.0, 2.0, 5.0, 10.0)
 LINE_WIDTH = 1.8  # of the grid [pixels]
+MOST_LINES = 500  # of the grid, or a few times as many
 PIECES = 12  # of a line of the grid, each as wide as makes it even in the picture
 FRAMES = 9  # at which it is asked how far away a line is
 LEVELS = 5  # equal parts of the height that contours divide
@@ -71,7 +72,8 @@ def cell(reach: float) -> float:
 
 def grid(view: Camera, reach: float) -> Mark:
     """Lines along x and y on all of the floor that a film will show."""
-    side, low, high = cell(reach), *view.floor_seen()
+    low, high = view.floor_seen()
+    side = cell(max(reach, float((high - low).max()) / MOST_LINES))
     first, last = np.floor(low / side), np.ceil(high / side)
     eyes = view.eyes()[:: max(1, len(view.azimuth) // FRAMES)]
     lines = [

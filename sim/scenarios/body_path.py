@@ -177,8 +177,9 @@ def _read_poses(file: object) -> list[tuple[float, ...]]:
 
 def _poses(key: str, value: object) -> tuple[Pose, ...]:
     """Two poses or more, the first being the start."""
-    if not is_list(value) or len(value) < 2:
-        raise refusal(value, "at least two poses [x, y, yaw]", WHERE, key)
+    if not is_list(value) or not 2 <= len(value) <= MOST_POSES:
+        wanted = f"at least two poses [x, y, yaw], at most {MOST_POSES}"
+        raise refusal(value, wanted, WHERE, key)
     poses = tuple(_pose(f"{key}[{i}]", pose) for i, pose in enumerate(value))
     if poses[0] != START:
         raise refusal(value[0], "[0, 0, 0], the start pose", WHERE, f"{key}[0]")

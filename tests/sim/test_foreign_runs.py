@@ -137,6 +137,16 @@ def test_settings_that_were_not_walked_with_are_refused(folder, capsys, own, oth
 
 
 @pytest.mark.physics
+def test_a_path_that_leads_farther_than_pictures_have_numbers_is_refused(folder):
+    text = (folder / "scenario.toml").read_text()
+    far = re.sub(r"goal = \[.*", "goal = [1e6, 0.0, 1e6]", text)
+    (folder / "scenario.toml").write_text(far)
+    sealed(folder)
+    with pytest.raises(UsageError, match=r"its path leads 1e\+06 m away"):
+        read_run(folder)
+
+
+@pytest.mark.physics
 def test_what_decides_no_walk_may_be_changed_in_a_runs_settings(folder):
     text = (folder / "scenario.toml").read_text()
     free = ('name = "short"', 'name = "mine"'), ("plan_time = 3", "plan_time = 4")

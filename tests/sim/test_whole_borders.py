@@ -148,6 +148,17 @@ def test_twenty_rows_are_enough_to_fit_and_nineteen_are_not(tmp_path):
         check_measured(tmp_path, log(FEWEST_ROWS - 1))
 
 
+def test_a_joint_of_which_little_was_measured_is_not_fitted(tmp_path):
+    """A single angle is met by a zero, as exactly as you like."""
+    measured = np.zeros((40, 3))
+    measured[:, 1], measured[1:-1, 2] = np.nan, np.nan
+    log = SimpleNamespace(time=np.arange(40), measured=measured)
+    with pytest.raises(UsageError, match="or measured angles of a joint"):
+        check_measured(tmp_path, log)
+    log.measured = measured[:, :2]
+    check_measured(tmp_path, log)
+
+
 def test_contacts_of_feet_with_fewer_geoms_are_real_as_far_as_they_go(monkeypatch):
     monkeypatch.setattr("sim.physics.measure.contact_sensor", str)
     size = CONTACT_FIELDS

@@ -1,6 +1,7 @@
 """What stands on the pictures: key, scales, numbers on legs and the inset."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from sim.pictures.captions import CARDS, SCALE, Captions, _results, scale_bar
 from sim.pictures.clock import clock
 from sim.pictures.ghost import farthest_ghost
 from sim.pictures.inset import APART, BOX, FILL, RIM, TIP, TOP, inset, magnification
-from sim.pictures.legend import ENTRIES, PAD, SEEN, _lines, nose
+from sim.pictures.legend import ENTRIES, PAD, SEEN, SMALL, _lines, fitting, length, nose
 from sim.pictures.marks import cell, grid
 from sim.pictures.run_film import is_held
 from sim.runs.run import read_run
@@ -63,6 +64,21 @@ def test_the_grid_covers_the_floor_in_view(walk, film, view):
             place = on_floor(view, frame, corner)
             assert (low < place).all()
             assert (place < high).all()
+
+
+def test_the_grid_of_a_wide_floor_has_larger_cells(view):
+    seen = np.array([-1e5, -10.0]), np.array([1e5, 10.0])
+    wide = SimpleNamespace(floor_seen=lambda: seen, azimuth=view.azimuth,
+                           eyes=view.eyes, pixel=view.pixel)  # fmt: skip
+    assert len(grid(wide, 0.2).drawing) < 5 * 1500 * 12 * 2
+    assert len(grid(wide, 0.2).drawing) > 500 * 12 * 2
+
+
+def test_words_that_fit_nowhere_are_cut_at_once():
+    """Letter by letter it would take minutes."""
+    cut = fitting("W" * 10**5, 300)
+    assert cut.endswith("W...")
+    assert length(cut, SMALL) <= 300 < length(f"W{cut}", SMALL)
 
 
 def on_floor(view, frame, pixel):

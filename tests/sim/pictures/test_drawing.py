@@ -8,7 +8,15 @@ import pytest
 from sim.pictures.camera import HEIGHT, VIEW_DISTANCE, WIDTH, camera
 from sim.pictures.captions import describe
 from sim.pictures.clock import FILM_LENGTH, FRAME_RATE, RESULTS, TAIL, TITLE, clock
-from sim.pictures.drawing import CORNERS, dashes, discs, join, polygons, ribbon
+from sim.pictures.drawing import (
+    CORNERS,
+    MOST_DASHES,
+    dashes,
+    discs,
+    join,
+    polygons,
+    ribbon,
+)
 from sim.pictures.legend import noun
 from tests.finished_runs import phase
 from tests.screen import on_screen
@@ -55,6 +63,12 @@ def test_dashes_follow_the_line_round_a_corner_and_cover_half_of_it():
     drawing = dashes(corner, period=0.11, width=1e-6)
     assert area(drawing) == pytest.approx(1e-6 * 1.1 / 2, rel=1e-3)  # the ends add 2e-5
     assert drawing.points[..., 0].max() == pytest.approx(0.1, abs=1e-5)
+
+
+def test_a_long_line_has_longer_dashes():
+    drawing = dashes(np.array([[0.0, 0.0], [1e5, 0.0]]), period=0.1, width=1.0)
+    assert len(drawing) == 2 * MOST_DASHES
+    assert area(drawing) == pytest.approx(5000 * (10 + 1))  # of 10 m, and their ends
 
 
 def test_a_point_has_no_dashes():

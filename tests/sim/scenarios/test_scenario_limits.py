@@ -98,6 +98,14 @@ def test_a_file_of_poses_has_a_hundred_thousand_rows_at_most(rows, taken):
             body_path._poses_in(text)
 
 
+def test_a_list_of_poses_has_a_hundred_thousand_at_most():
+    """Each is looked at by itself, which takes long for a million."""
+    poses = [[0, 0, 0]] * 100_001
+    assert body_path._poses("path.points", poses[1:])
+    with pytest.raises(UsageError, match="two poses .*, at most 100000"):
+        body_path._poses("path.points", poses)
+
+
 @pytest.mark.parametrize("part", ["path.goal", "geometry.kappa"])
 def test_a_part_and_the_whole_that_it_is_in_are_not_both_given(part):
     """One would replace the other, in silence."""
