@@ -55,16 +55,11 @@ class Box:
         return own @ np.array([(cos, sin), (-sin, cos)]) + self.center
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Prism:
     """A convex polygon on the floor."""
 
-    points: tuple[Point, ...]
-
-    @property
-    def corners(self) -> Array:
-        """Shape (n, 2) [m]."""
-        return np.array(self.points)
+    corners: Array  # shape (n, 2) [m]
 
 
 Piece = Box | Prism
@@ -128,8 +123,7 @@ def _polygon(points: Sequence[Point], _: declaration.Table) -> Pieces:
     parts = [polygon]
     if not math.isclose(polygon.area, polygon.convex_hull.area, rel_tol=1e-9):
         parts = shapely.constrained_delaunay_triangles(polygon).geoms
-    corners = [part.exterior.coords[:-1] for part in parts]
-    return tuple(Prism(tuple((float(x), float(y)) for x, y in c)) for c in corners)
+    return tuple(Prism(np.array(part.exterior.coords[:-1])) for part in parts)
 
 
 KINDS: Mapping[str, tuple[int, tuple[str, ...], tuple[str, ...], Callable[..., Pieces]]]

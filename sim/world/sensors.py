@@ -111,7 +111,7 @@ def _add_geom(spec: mujoco.MjSpec, name: str, piece: Piece, height: float) -> No
             "quat": (cos(piece.yaw / 2), 0, 0, sin(piece.yaw / 2)),
         }
     else:
-        ends = [(*p, z) for p in piece.points for z in (middle - half, middle + half)]
+        ends = [(*p, z) for p in piece.corners for z in (middle - half, middle + half)]
         spec.add_mesh(name=name, uservert=np.ravel(ends))
         shape = {"type": mujoco.mjtGeom.mjGEOM_MESH, "meshname": name}
     spec.worldbody.add_geom(
