@@ -10,6 +10,7 @@ from .card_file import parse_card as parse_card
 from .compiled import (
     compile_model as compile_model,
     fixed_to as fixed_to,
+    joints_above as joints_above,
     one_line as one_line,
     read_spec as read_spec,
     root_body as root_body,

@@ -16,6 +16,7 @@ import numpy as np
 import shapely
 
 from models import Robot
+from models.description import joints_above
 from planner import Array
 from planner.optimisation import Expression, Stage
 from sim.obstacles.clearance import Outline, surroundings
@@ -265,12 +266,8 @@ def hull_of(points: Array) -> list[int]:
 
 def _leg_of(robot: Robot, model: mujoco.MjModel, geom: int) -> int:
     """Index of the leg that a geom is part of."""
-    body, above = int(model.geom_bodyid[geom]), set[int]()
-    while body:
-        above.add(body)
-        body = int(model.body_parentid[body])
+    above = joints_above(model, int(model.geom_bodyid[geom]))
     for leg, card in enumerate(robot.leg_cards):
-        joints = [model.joint(name).id for name in (card.swing, card.lift)]
-        if not above.isdisjoint(model.jnt_bodyid[joints].tolist()):
+        if any(model.joint(name).id in above for name in (card.swing, card.lift)):
             return leg
     return BODY
