@@ -68,7 +68,7 @@ class OffscreenRenderer:
         self._walk, self._camera = walk, camera
         self._model = model = build(walk, marks, look)
         self._first_face = model.mesh_faceadr.copy()
-        pieces = [(mesh_name(name), d) for mark in marks for name, d in mark.pieces]
+        pieces = [(PREFIX + name, d) for mark in marks for name, d in mark.pieces]
         self._pieces = [(model.mesh(name).id, drawing) for name, drawing in pieces]
         self._drawn = {model.geom(name).id for name, _ in pieces}
         self._data = mujoco.MjData(model)
@@ -239,11 +239,6 @@ def build(walk: Run, marks: Sequence[Mark], look: Look) -> mujoco.MjModel:
     return model
 
 
-def mesh_name(piece: str) -> str:
-    """Name of the mesh that holds a piece of a mark's drawing."""
-    return PREFIX + piece
-
-
 def _light(spec: mujoco.MjSpec, look: Look) -> None:
     """Even light from everywhere, and one sun for the shadows."""
     for light in list(spec.lights):
@@ -268,10 +263,10 @@ def _lay_floor(spec: mujoco.MjSpec) -> None:
 
 def _draw(spec: mujoco.MjSpec, mark: Mark, height: float, thickness: float) -> None:
     """A mesh for each piece of a mark, with all the triangles it will ever show."""
-    material, rgba = mesh_name(mark.name), mark.colour.rgba(mark.alpha)
+    material, rgba = PREFIX + mark.name, mark.colour.rgba(mark.alpha)
     spec.add_material(name=material, rgba=rgba, specular=0)
     for piece, drawing in mark.pieces:
-        name, sheet = mesh_name(piece), drawing.shapes % SHEETS / SHEETS
+        name, sheet = PREFIX + piece, drawing.shapes % SHEETS / SHEETS
         z = height + 0.9 * sheet * thickness
         corners = np.dstack([drawing.points, np.repeat(z[:, None], 3, axis=1)])
         # The compiler wants four points at least; this triangle is never shown.

@@ -11,7 +11,7 @@ from models.errors import ModelError
 from models.library import load
 from sim import cli, palette
 from sim.pictures.drawing import Mark, ribbon
-from sim.pictures.offscreen import LOOKS, build as build_scene, floor_height, mesh_name
+from sim.pictures.offscreen import LOOKS, PREFIX, build as build_scene, floor_height
 from sim.preparation.inspection import inspected
 from sim.preparation.setup import prepare
 from sim.world.changes import changes
@@ -254,7 +254,7 @@ def test_marks_of_films_keep_their_colours_and_lie_on_the_floor(
     shown = build_scene(walk, [mark], LOOKS["draft"])
     assert (model.vis.headlight.active, bool(shown.vis.headlight.active)) == (0, True)
     assert shown.light_active.all()
-    geom = shown.geom(mesh_name(mark.pieces[0][0]))
+    geom = shown.geom(PREFIX + mark.pieces[0][0])
     assert geom.rgba == pytest.approx(palette.ACHIEVED.colour.rgba(1.0))
     assert geom.group == 0
 
