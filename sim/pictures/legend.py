@@ -13,7 +13,7 @@ from planner import Array
 from sim import palette
 from sim.palette import NOMINAL, PREDICTED, Colour
 from sim.pictures.ghost import farthest_ghost, ghost_of
-from sim.pictures.marks import contour_step
+from sim.pictures.marks import LEVELS
 from sim.runs.run import Run
 
 Draw = ImageDraw.ImageDraw
@@ -160,7 +160,7 @@ def _lines(walk: Run, scale: float) -> list[tuple[str, Colour, str]]:
         labels[ghost_of(walk)] += ", ghost"
     around = ("floor swept over", palette.SWEPT, "block")
     thought = (palette.THOUGHT.label, palette.THOUGHT.colour, "ring")
-    bumps = f"contours, {1000 * contour_step(walk):.3g} mm"
+    bumps = f"contours, {1000 * (walk.scenario.bumps / LEVELS):.3g} mm"
     lines = [
         (", ".join(walk.path_labels), NOMINAL.colour, "dashes"),
         *((label, PREDICTED[n].colour, "line") for n, label in labels.items()),

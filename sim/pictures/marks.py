@@ -114,11 +114,6 @@ def contours(walk: Run) -> Drawing:
     return join(ribbon(line, np.zeros(len(line), int), width) for line in lines)
 
 
-def contour_step(walk: Run) -> float:
-    """Height from one contour to the next [m]."""
-    return walk.scenario.bumps / LEVELS
-
-
 def _contours_of(model: mujoco.MjModel, geom: int) -> Iterator[Array]:
     """The contours of one field, in the world, shape (n, 2) [m] each."""
     from contourpy import contour_generator  # what matplotlib draws contours with

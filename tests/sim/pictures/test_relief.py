@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from sim.pictures.marks import LEVELS, contour_step, contours
+from sim.pictures.marks import LEVELS, contours
 from sim.preparation.setup import prepare
 
 BUMPS = 0.004
@@ -38,10 +38,10 @@ def height(model, place):
 def test_the_floor_is_as_high_on_a_contour_as_the_contour_says(bumpy):
     walk, model = bumpy(bumps=BUMPS, draw=3)
     drawn = contours(walk)
-    assert contour_step(walk) == BUMPS / LEVELS
+    step = BUMPS / LEVELS
     assert (drawn.frames == 0).all()
     middles = drawn.points.mean(axis=1)[:: len(drawn) // 60]
-    levels = np.array([height(model, place) for place in middles]) / contour_step(walk)
+    levels = np.array([height(model, place) for place in middles]) / step
     # a ribbon's triangle is up to half a width beside its line; 0.013 was measured
     assert np.abs(levels - np.round(levels)).max() < 0.05
     found = {int(level) for level in np.round(levels)}
