@@ -7,7 +7,6 @@ segment stays around the nominal path is as wide as the square root of its lengt
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
 from itertools import pairwise
 from typing import Literal
 
@@ -17,7 +16,7 @@ import shapely
 from models import paper_hexapod
 from models.morphology import FEET, PIVOT, PIVOTS
 from models.systems import AIR_SWINGS
-from planner import Array, ExtendedSystem, Path, Plan, extend, line, plan, rollout
+from planner import Array, Path, Plan, line, plan, rollout
 from planner.execution import Execution
 from sim.motion.poses import rotate
 
@@ -61,11 +60,6 @@ class PaperWalk:
         return float(np.hypot(*(self.states[-1] - self.plan.goal)[:2]))
 
 
-@cache
-def _extended(fields: Fields) -> ExtendedSystem:
-    return extend(paper_hexapod(heights=False).system, ELEMENTS[fields])
-
-
 def walk(
     path: Path, segments: int, *, fields: Fields = "paper", samples: int = FLOW_STATES
 ) -> PaperWalk:
@@ -75,7 +69,8 @@ def walk(
     one; the body walks the same way.
     """
     backward = Execution(coordinates="backward")
-    planned = plan(_extended(fields), path, segments, execution=backward)
+    system, elements = paper_hexapod(heights=False).system, ELEMENTS[fields]
+    planned = plan(system, path, segments, elements, execution=backward)
     return PaperWalk(planned, rollout(planned, samples), samples)
 
 
