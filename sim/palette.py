@@ -60,18 +60,6 @@ STABLE = Colour(88, 205, 95)  # support polygon with the weight over it
 LIMIT = Colour(148, 11, 49)  # exceeded: about to tip over, touching, not as planned
 
 
-def _colours(*codes: str) -> tuple[Colour, ...]:
-    return tuple(Colour(*bytes.fromhex(code)) for code in codes)
-
-
-# Of groups of legs; models paint the legs of robots alike.
-GROUPS = _colours("2970bf", "cc453d", "ded133", "faaba1", "708fb0", "704f08")
-# Of a sweep's points: from within 1 % to beyond, fallen, no walk.
-OUTCOMES = _colours("009e73", "56b4e9", "e69f00", "d55e00", "000000", "bbbbbb")
-# Of several runs that one drawing compares.
-RUNS = _colours("0919d6", "ca962f", "73118d", "47b379", "7b6103", "cd52d3")
-
-
 @dataclass(frozen=True, slots=True)
 class PathMark:
     """How the path of one kind is drawn."""
@@ -90,6 +78,10 @@ class PathMark:
 
 
 STYLES = shipped_tables("sim", "styles.toml")
+GROUPS, OUTCOMES, RUNS = (
+    tuple(Colour(*bytes.fromhex(code)) for code in STYLES["colours"][name])
+    for name in ("groups", "outcomes", "runs")
+)
 NOMINAL = PathMark("nominal path", Colour(84, 88, 98), 0.01, 1.2, (3.7, 1.6))
 ACHIEVED = PathMark("achieved path", Colour(0, 128, 98), 0.008, 2.2)
 THOUGHT = PathMark("estimated pose", Colour(15, 0, 225), 0.004, 0.7)
