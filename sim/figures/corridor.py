@@ -87,10 +87,10 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
         least = (clearance[n].min() for n in ("ideal", "quasi_static", "achieved"))
         counts = summary.wall_contacts, summary.contact_switches
         margin = float(walked.margin["achieved"].min())
-        rows.append((walked.segments, *map(float, least), *counts, margin))
+        rows.append((walked.summary.segments, *map(float, least), *counts, margin))
     words = {
-        "fine": fine.segments,
-        "coarse": coarse.segments,
+        "fine": fine.summary.segments,
+        "coarse": coarse.summary.segments,
         "contacts": coarse.summary.wall_contacts,
         "least": MM * fine.clearance["quasi_static"].min(),
         "achieved": MM * fine.clearance["achieved"].min(),
@@ -152,11 +152,11 @@ def _draw_clearance(axes: Axes, walked: Walked) -> None:
     )
     colour = PATHS["achieved"]["color"]
     style.band(axes, *achieved, colour=colour, alpha=0.8, label="physics")
-    segment = np.arange(1, walked.segments + 1)
+    segment = np.arange(1, walked.summary.segments + 1)
     for rim in predicted:
         axes.step(segment, rim, where="mid", **PATHS["quasi_static"])
     axes.lines[-1].set_label("_")
-    axes.set_xlim(0.5, walked.segments + 0.5)
+    axes.set_xlim(0.5, walked.summary.segments + 0.5)
 
 
 @dataclass(frozen=True)

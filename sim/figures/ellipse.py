@@ -54,8 +54,8 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
         spread = style.extremes(MM * off[-1], walked.segment)
         label = f"off {name.replace('_', '-')}"
         style.band(axes["b"], *spread, colour=colour, alpha=0.55, label=label)
-    k = _chosen(walked.segments)
-    margins, segment = {}, np.arange(1, walked.segments + 1)
+    k = _chosen(walked.summary.segments)
+    margins, segment = {}, np.arange(1, walked.summary.segments + 1)
     looks = ("achieved", "physics", "o", PHYSICS), ("ideal", "predicted", "-", IDEAL)
     for name, label, fmt, colour in looks:
         margin, _ = style.extremes(walked.margin[name], walked.segment)

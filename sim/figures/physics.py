@@ -58,11 +58,6 @@ class Walked:
     nominal: Array  # points of the nominal path, (M, 2) [m]
 
     @property
-    def segments(self) -> int:
-        """Number of segments walked."""
-        return self.summary.segments
-
-    @property
     def ends(self) -> Array:
         """Last row of each segment, shape (segments,)."""
         return np.append(np.flatnonzero(np.diff(self.segment)), len(self.segment) - 1)

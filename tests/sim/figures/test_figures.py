@@ -143,7 +143,8 @@ def test_walks_are_made_side_by_side_and_told_of():
     with begun(jobs) as (walks, walked):
         done = {name: walk.result() for name, walk in walks.items()}
         assert walked() == sum(job.cost for job in jobs.values())
-    assert {name: walked.segments for name, walked in done.items()} == {"1": 1, "2": 2}
+    counts = {name: walked.summary.segments for name, walked in done.items()}
+    assert counts == {"1": 1, "2": 2}
     told = []
     alone = perform(jobs["2"], told.append)
     assert told == sorted(told)
