@@ -38,14 +38,13 @@ class ServedWalk:
     """A walk whose commands for `joints` go elsewhere, from where its poses come.
 
     Its `stops` are what feedback made of each segment so far; `scaled_down` counts
-    the segments that were cut to the range of the joints. The rate, in commands a
-    second, is taken where the servos have none of their own.
+    the segments that were cut to the range of the joints.
     """
 
-    def __init__(self, setup: Setup, rate: float = SERVO_RATE) -> None:
+    def __init__(self, setup: Setup) -> None:
         check_effort(setup, expected_steps(setup, None))
         self.setup, self.feedback = setup, setup.feedback()
-        self.rate = setup.servo.rate or rate
+        self.rate = setup.servo.rate or SERVO_RATE
         self.joints = tuple(setup.robot.card.joints)
         self.stops: list[Stop] = []
         self.scaled_down = 0
@@ -62,10 +61,10 @@ class ServedWalk:
         """When the next command is given [s]."""
         return self._given / self.rate
 
-    def stand(self, seconds: float | None = None) -> Iterator[Row]:
-        """Commands that keep the robot where it is, for the scenario's hold if none."""
+    def stand(self) -> Iterator[Row]:
+        """Commands that keep the robot where it is, for the scenario's hold."""
         scheduler = self._scheduler()
-        scheduler.hold(self.setup.limits.hold if seconds is None else seconds)
+        scheduler.hold(self.setup.limits.hold)
         yield from self._rows(scheduler.finish())
 
     def wait(self) -> Row:
@@ -110,7 +109,7 @@ class ServedWalk:
             self._given += 1
 
 
-def served(scenario: Scenario, rate: float = SERVO_RATE) -> ServedWalk:
+def served(scenario: Scenario) -> ServedWalk:
     """A served walk, planned in pieces, of a robot without known imperfections.
 
     Its path is that of a replanned walk: around obstacles, and divided to keep bounds.
@@ -126,4 +125,4 @@ def served(scenario: Scenario, rate: float = SERVO_RATE) -> ServedWalk:
     plain = replace(known.as_planned, assumed_dead_band=band)  # type: ignore[arg-type]
     asked = replace(plain, replan=True, learn=learn)
     bare = replace(setup.robot, card=replace(setup.robot.card, fitted={}))  # known now
-    return ServedWalk(ScenarioProblem.ready(prepare(asked, bare)).setup, rate)
+    return ServedWalk(ScenarioProblem.ready(prepare(asked, bare)).setup)
