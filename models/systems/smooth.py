@@ -16,7 +16,6 @@ from planner.planning import FlatOutputs
 ONLY = "0"  # the one stratum, without contacts that change
 MOST_TRAILERS = 3  # words of degree 3 + trailers double in length with each degree
 LONGEST_CHAIN = 8  # likewise
-Column = Sequence[sp.Expr | float]
 
 
 def car_with_trailers(trailers: int = 1, length: float = 1) -> Problem:
@@ -71,7 +70,7 @@ def smooth(
     name: str,
     description: str,
     state: Sequence[str],
-    fields: dict[str, Column],
+    fields: dict[str, Sequence[sp.Expr | float]],
     goal: State,
     segments: int = 1,
 ) -> Problem:

@@ -29,7 +29,6 @@ class Bracket:
 
 Element = int | Bracket  # the number of a generator, or a bracket of elements
 
-Place = tuple[Any, ...]
 MOST_ELEMENTS, DEEPEST = 10**6, 60  # of a basis; a degree that always goes beyond
 
 
@@ -83,7 +82,7 @@ def is_hall_pair(left: Element, right: Element) -> bool:
 
 
 @cache
-def place(element: Element) -> Place:
+def place(element: Element) -> tuple[Any, ...]:
     """A key by which elements sort in the order of the basis."""
     if isinstance(element, Bracket):
         return (degree(element), place(element.left), place(element.right))

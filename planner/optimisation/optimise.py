@@ -27,7 +27,6 @@ from planner.support.stopping import answer, unlimited
 from planner.systems.flows import Flow, contact_switches, merged
 
 Objective = Literal["time", "strokes", "switches"]
-Completion = Callable[[Sequence[Sequence[Flow]]], list[list[Flow]]]
 
 REFINEMENTS = 12  # of a plan, until its exact motion meets the goal and constraints
 NEGLIGIBLE_MISS = 1e-6  # distance from the goal, in units of a stroke's length
@@ -47,7 +46,7 @@ class Criterion:
     objective: Objective
     duration: Callable[[Sequence[Flow]], float]
     predict: Callable[[Sequence[Flow]], Array] | None = None
-    complete: Completion | None = None
+    complete: Callable[[Sequence[Sequence[Flow]]], list[list[Flow]]] | None = None
 
 
 class Optimiser:

@@ -40,7 +40,6 @@ DISTINCT = 1 + 1e-5  # ratio of their scores
 SEARCHED = 0.3  # share of a window's work that precedes the hops, as reported
 WORKED = 0.97  # share of a window's work that remains after each solution, as reported
 
-Score = Callable[[Solution], float]
 Report = Callable[[float], None]
 Programs = Callable[[int, int], Program]
 Trial = tuple[int, int, int]  # number of stages, the first of them, and of the guess
@@ -77,7 +76,7 @@ class WindowSearch:
 
     task: Task
     path: Path
-    score: Score
+    score: Callable[[Solution], float]
     coarse: Coarse | None = None
     report: Report = lambda done: None
     hops: int = 0  # from the best plan of each window

@@ -18,7 +18,6 @@ from planner.support.stopping import tick
 from planner.systems.flows import Flow, Gait, Word, places_in
 from planner.systems.strata import StratifiedSystem
 
-Commute = Callable[[str, str], bool]
 Pattern = tuple[str, ...]  # the fields of a word
 Joined = tuple[Pattern, Pattern, tuple[int, ...], list[tuple[int, list[int]]]]
 """Strata and fields of flows, the first place of each, and the others of some."""
@@ -43,7 +42,7 @@ class Grouper:
     """Finds the best arrangements of patterns, flows that commute interchanged."""
 
     system: StratifiedSystem
-    commute: Commute
+    commute: Callable[[str, str], bool]
     _known: dict[tuple[Pattern, str], tuple[Arrangement, ...]] = field(
         default_factory=dict, init=False, repr=False
     )
