@@ -24,7 +24,6 @@ KNEES = 0.35  # above the feet, in units of the robot's reach
 HALF_HEIGHT = float(np.tan(np.radians(FIELD_OF_VIEW) / 2))  # of the picture, at 1 m
 HALF_WIDTH = HALF_HEIGHT * WIDTH / HEIGHT
 FIT_ROUNDS = 8  # of moving the target; settles to a pixel
-DUSK = 4.0  # below the horizon [degrees], where the floor may end
 NEAR_FLOOR = 3.5  # in units of the distance; beyond, a grid would be a blur
 ENOUGH = 2000  # moments at which it is asked what has to be seen
 ELEVATION = -50.0  # [degrees]
@@ -70,11 +69,6 @@ class Camera:
     distance: float  # from the target [m]
     elevation: float = ELEVATION  # [degrees]
     pixel: ClassVar[float] = 2 * HALF_HEIGHT / HEIGHT  # width, a metre away [m]
-
-    @property
-    def sees_sky(self) -> bool:
-        """Whether the upper edge of the picture comes near the horizon."""
-        return self.elevation + FIELD_OF_VIEW / 2 > -DUSK
 
     def rests(self, frame: int) -> bool:
         """Whether a frame is seen from where the frame before it was."""

@@ -33,6 +33,7 @@ LAYER = 0.0005  # thickness of a mark [reach of the robot]
 SHEETS = 64  # of a layer; shapes that overlap lie on different ones, or are lit twice
 SHADOW_MAP = 2048  # [texels]
 EXTENT = 2.5  # [reach of the robot], over which the shadows' texels are spread
+DUSK = 4.0  # below the horizon [degrees], where the floor may end
 NEAREST = 0.2  # [extent]; nothing is closer to the camera, and depth is the finer
 PREFIX = "film: "  # of names, against those of the robot
 FLOOR = f"{PREFIX}floor"
@@ -85,7 +86,8 @@ class OffscreenRenderer:
         # Half the time of a picture goes into the sky behind an endless floor.
         planes = model.geom_size[model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE]
         endless = (planes[:, :2] == 0).all(axis=1).any()
-        flags[flag.mjRND_SKYBOX] = camera.sees_sky or not endless
+        sees_sky = camera.elevation + FIELD_OF_VIEW / 2 > -DUSK
+        flags[flag.mjRND_SKYBOX] = sees_sky or not endless
         self._brush = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._brush)
 
