@@ -128,7 +128,10 @@ def servo_table(
     """
     known = card.joint_servos if given is None else given
     if make and pwm and make.signal != "pulse":
-        _require_counts(joints, known)
+        for joint in joints:  # a bus gives no pulses, so theirs must be known
+            servo = known.get(joint, JointServo())
+            if servo.counts_per_radian is None or servo.center is None:
+                raise UsageError.of("bus", "the robot's card", joint=joint)
     if pwm is not None and (make is None or (make.signal == "pulse") != pwm):
         make = PWM if pwm else None
     if make and pwm and FRAMES[0] <= rate <= FRAMES[1]:
@@ -163,14 +166,6 @@ def _in_frames(card: Card, make: ServoKind) -> dict[str, JointServo]:
         scaled = center and center * finer, counts and counts * finer
         found[joint] = replace(servo, center=scaled[0], counts_per_radian=scaled[1])
     return found
-
-
-def _require_counts(joints: Sequence[str], known: Mapping[str, JointServo]) -> None:
-    """Refuse pulses for servos on a bus, unless those of each joint are given."""
-    for joint in joints:
-        servo = known.get(joint, JointServo())
-        if servo.counts_per_radian is None or servo.center is None:
-            raise UsageError.of("bus", "the robot's card", joint=joint)
 
 
 def _channel(
