@@ -74,7 +74,8 @@ def decided(words: list[str], folder: str | Path, bounds: Bounds = OWN) -> str |
 
 def tried(kind: str, seed: int, patience: float, keep: Path) -> bool:
     """Whether a case ends as it must; one that does not is told, and its files kept."""
-    bounds = replace(ADOPTED if kind in ADOPTS else OWN, patience=patience)
+    bounds = ADOPTED if kind in ADOPTS else OWN
+    bounds = replace(bounds, patience=patience * bounds.seconds / OWN.seconds)
     with tempfile.TemporaryDirectory() as folder:
         try:
             words = KINDS[kind](Path(folder), random.Random(seed))

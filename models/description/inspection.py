@@ -200,7 +200,7 @@ def examine(path: Path) -> list[Path]:
     model = compile_model(read_spec(path), str(path))
     if model.nflex:
         raise refusal("flexes", path, count=model.nflex)
-    numbers = model.nsensordata + model.nuserdata + model.nq + model.nv
+    numbers = model.nsensordata + model.nuserdata + model.na + model.nq + model.nv
     size = mujoco.mj_sizeModel(model) + DRAWN * model.nhfielddata
     size += 8 * (STATES_KEPT * numbers + HISTORIES * model.nhistory)
     if size > HANDY:

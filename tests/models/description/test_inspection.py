@@ -228,11 +228,16 @@ def test_a_file_that_is_missing_is_named(robot):
         ('<size nuserdata="1000000"/>', 8.0),
         ('<sensor><clock name="c" nsample="9000000"/></sensor>', 1.4),
         (
+            '<actuator><general name="a" joint="swing_1" dyntype="user" '
+            'actdim="90000"/></actuator>',
+            0.7,
+        ),
+        (
             '<asset><hfield name="h" nrow="4000" ncol="4000" size="1 1 1 1"/></asset>',
             2.8,
         ),
     ],
-    ids=["a sensor", "user data", "what is remembered", "heights"],
+    ids=["a sensor", "user data", "what is remembered", "activations", "heights"],
 )
 def test_a_compiled_model_leaves_room_for_its_states_and_its_pictures(
     robot, alone, more, gigabytes
