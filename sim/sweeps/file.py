@@ -100,7 +100,7 @@ def read_sweep(source: str) -> Sweep:
     if (count := len(+times)) > MOST_KEYS:
         raise UsageError.of("keys", source, count=count, most=MOST_KEYS)
     made = [*grid_blocks(_inner(table, "grid"))]
-    made += [list_block(inner)] if (inner := _inner(table, "list")) else []
+    made += [list_block(lists)] if (lists := dict(flat(_inner(table, "list")))) else []
     made += [sobol_block(inner)] if (inner := _inner(table, "sobol")) else []
     blocks = tuple(_anchored(block, path.parent) for block in made)
     keep = _run_folders(_inner(table, "keep"), _count(blocks))

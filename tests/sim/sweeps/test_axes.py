@@ -98,6 +98,12 @@ def test_impossible_samples_are_refused(table, said):
         sobol_block(table)
 
 
+def test_a_table_without_keys_varies_nothing(tmp_path):
+    sweep = tmp_path / "none.toml"
+    sweep.write_text('scenario = "line"\n[list.path]\n[grid.path]\n')
+    assert len(file.read_sweep(str(sweep))) == 1
+
+
 @pytest.mark.parametrize(
     ("table", "value"),
     [
