@@ -30,8 +30,8 @@ LINEAR, LOGARITHMIC = "linear", "log"
 LAST_END = 1e100  # between ends beyond it there may be no numbers
 OF_SOBOL = {"points", "seed"}  # which are no settings there
 MOST_POINTS = 50_000  # of a sweep; checking them takes some ten seconds
+BEYOND = 10**12  # points of a sweep, of which no more are counted
 MOST_KEYS = 100  # of a sweep; of so many points they take half a gigabyte
-MOST_TEXT = 10**8  # bytes of the scenarios of all points, checked in half a minute
 WHOLE = {name for name, item in SETTINGS.items() if item.includes(int)}
 STUDIES = Path(str(files("sim.studies")))
 TABLES = ("set", "grid", "list", "sobol", "keep")
@@ -52,11 +52,9 @@ class Sweep:
     filmed: bool = False  # whether these folders get films
 
     def __post_init__(self) -> None:
-        count, size = _count(self.blocks), len(repr((self.scenario, self.fixed)))
-        size += sum(len(repr(part)) // len(part) for _, part in self.blocks)
-        if count > (most := min(MOST_POINTS, MOST_TEXT // size)):
-            facts = {"count": count, "most": most}
-            raise UsageError.of("points", f"sweep {self.name!r}", **facts)
+        if (count := _count(self.blocks)) > MOST_POINTS:
+            where = f"sweep {self.name!r}"
+            raise UsageError.of("points", where, count=count, most=MOST_POINTS)
 
     def __len__(self) -> int:
         return _count(self.blocks)
@@ -99,7 +97,11 @@ def read_sweep(source: str) -> Sweep:
         raise UsageError(f"{key} is given twice", source, "keep it in one table")
     if (count := len(+times)) > MOST_KEYS:
         raise UsageError.of("keys", source, count=count, most=MOST_KEYS)
-    made = [*grid_blocks(_inner(table, "grid"))]
+    made = list[Block]()
+    for block in grid_blocks(_inner(table, "grid")):
+        made.append(block)
+        if _count(made) > BEYOND:
+            break
     made += [list_block(lists)] if (lists := dict(flat(_inner(table, "list")))) else []
     made += [sobol_block(inner)] if (inner := _inner(table, "sobol")) else []
     blocks = tuple(_anchored(block, path.parent) for block in made)

@@ -20,6 +20,7 @@ from sim.folder import RunFolder, ensure_folder, require_free
 from sim.preparation.shared import PLAN
 from sim.run_folder import run
 from sim.scenarios.file import to_table
+from sim.scenarios.scenario import Scenario
 from sim.sweeps.file import Sweep
 from sim.sweeps.folder import (
     POINT,
@@ -36,6 +37,7 @@ from sim.sweeps.ledger import OK, Outcome, digest, opened, read_ledger
 from sim.sweeps.table import Row, write_table
 from sim.sweeps.worker_pool import Task, open_pool
 
+MOST_TEXT = 10**8  # letters of the scenarios of all points, checked in half a minute
 GOLDEN = (5**0.5 - 1) / 2  # whose multiples leave no large gap in the unit interval
 Show = Callable[[int, int, int], None]  # given the points done, failed, and all
 
@@ -101,14 +103,21 @@ class Points:
 def points_of(sweep: Sweep, shard: Shard) -> Points:
     """All points of a shard; impossible settings of one are refused."""
     numbers = [point for point in range(len(sweep)) if point in shard]
-    scenarios = {point: sweep.at(point) for point in numbers}
+    scenarios, tables, size = dict[int, Scenario](), dict[int, Row](), 0
+    for done, n in enumerate(numbers, start=1):
+        scenarios[n] = sweep.at(n)
+        tables[n] = to_table(scenarios[n])
+        size += len(repr(tables[n]))
+        if size * len(numbers) > done * MOST_TEXT:
+            facts = {"count": len(numbers), "most": done * MOST_TEXT // size}
+            raise UsageError.of("points", f"sweep {sweep.name!r}", **facts)
     shapes = {(s.robot, *(s.geometry or ())) for s in scenarios.values()}
     for robot, *names in sorted(shapes):
         _require_robot(robot, names)
     first: dict[Hashable, int] = {}  # point of a plan; others differ in physics alone
     return Points(
         sweep,
-        {n: to_table(scenario) for n, scenario in scenarios.items()},
+        tables,
         {n: digest(scenario, sweep.without) for n, scenario in scenarios.items()},
         {n: first.setdefault(s.key(*PLAN), n) for n, s in scenarios.items()},
     )

@@ -11,7 +11,7 @@ import pytest
 
 from sim.cli import main
 from sim.errors import UsageError
-from sim.folder import whole
+from sim.folder import csv_text, whole
 from sim.sweeps import table, worker_pool
 from sim.sweeps.file import (
     Sweep,
@@ -22,6 +22,8 @@ from sim.sweeps.file import (
     read_sweep,
     sobol_block,
 )
+from sim.sweeps.folder import Shard
+from sim.sweeps.sweeping import points_of
 from tests.commands import told
 from tests.sweeps import write_sweep
 
@@ -150,12 +152,23 @@ def test_a_sweep_has_fifty_thousand_points_at_most():
         made(MOST_POINTS + 1)
 
 
-def test_a_sweep_of_a_long_path_has_fewer_points():
-    """Every point is checked with its whole path, which takes as long as it is."""
-    path = {"path": {"kind": "table", "poses": [[0.00001, 0, 0]] * 2000}}
-    blocks = ((("k",), [(value,) for value in range(5000)]),)
-    with pytest.raises(UsageError, match="5000 points: .* at most 3... points"):
-        Sweep("s", path, {}, blocks, ())
+@pytest.mark.parametrize(
+    "path",
+    [
+        '[path]\nkind = "table"\nposes = POSES\n',
+        '[path]\nkind = "table"\nfile = "p.csv"\n',
+        '[path]\nkind = "table"\n[grid.path]\nposes = [POSES]\n',
+        '[path]\nkind = "table"\n[grid.path]\nfile = ["p.csv"]\n',
+    ],
+)
+def test_a_sweep_of_a_long_path_has_fewer_points(tmp_path, path):
+    """Every point is checked with its whole path, wherever that stands."""
+    places = [[0.00001 * n, 0.0, 0.0] for n in range(2000)]
+    (tmp_path / "p.csv").write_text(csv_text([("x", "y", "yaw"), *places]))
+    many = "[list]\nfriction = { from = 0.5, to = 1.0, count = 5000 }\n"
+    (tmp_path / "s.toml").write_text(path.replace("POSES", str(places)) + many)
+    with pytest.raises(UsageError, match=r"5000 points: .* at most \d{4} points"):
+        points_of(read_sweep(str(tmp_path / "s.toml")), Shard())
 
 
 def test_tables_are_flattened_but_for_ranges_and_what_has_a_kind():
@@ -284,11 +297,3 @@ def test_no_worker_is_begun_in_a_folder_that_is_gone(tmp_path, monkeypatch):
     gone.rmdir()
     with pytest.raises(FileNotFoundError), ExitStack() as stack:
         worker_pool._local(stack, 1)
-
-
-def test_what_varies_counts_as_what_its_points_take_to_be_checked():
-    """Each is a scenario of its own, with the path that it has."""
-    path = [[0.0, float(n)] for n in range(9000)]
-    blocks = (("path.points",), [(path,)]), (("friction",), [(0.5,)] * 2000)
-    with pytest.raises(UsageError, match=r"2000 points: .* at most \d{3} points"):
-        Sweep("s", {}, {}, blocks, ())
