@@ -142,11 +142,11 @@ def _pose(line: str) -> tuple[float, list[float]]:
     given = json.loads(line, parse_int=float)
     if odd := given.keys() - known:
         raise ValueError(f"unknown key {min(odd)[:40]!r}")
-    if line.count(":") > len(given):
-        raise ValueError("a key twice")
     when, *pose = values = [nan if v is None else v for v in (known | given).values()]
     if {type(value) for value in values} != {float}:
         raise ValueError("not a number")
+    if line.count(":") > len(given):
+        raise ValueError("a key twice")
     if not isfinite(when) or any(abs(value) > 1e6 for value in pose):
         raise ValueError("no time, or a number not finite or beyond 1e6")
     return when, pose

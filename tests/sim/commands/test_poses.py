@@ -150,3 +150,16 @@ def test_poses_since_a_moment_are_read_without_waiting_where_the_walk_has_a_pace
     link = SimpleNamespace(poses=poses, pace=pace, seen=[])
     assert [*command.Link._since(link, 1.0, 1.2)] == ["b", "c"]
     assert asked == [waits] * 4
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ('{"time": "2026-01-01T12:00:00", "x": 0.0}', "not a number"),
+        ('{"time": {"sec": 1}}', "not a number"),
+        ('{"time": 1, "x": 0.1, "x": 0.2}', "a key twice"),
+    ],
+)
+def test_it_is_said_what_is_wrong_with_a_pose(line, said):
+    with pytest.raises(UsageError, match=f"not a pose, {said}: line 1"):
+        read(line + "\n")

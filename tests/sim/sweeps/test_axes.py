@@ -88,7 +88,7 @@ def test_impossible_values_are_refused(given, said):
     ("table", "said"),
     [
         ({"friction": [0, 1]}, "points = None is not allowed"),
-        ({"points": 4}, "no keys vary"),
+        ({"points": 4}, "no keys are given"),
         ({"points": 4, "friction": [0, 0.5, 1]}, "no two ends"),
         ({"points": 4, "seed": -1, "friction": [0, 1]}, "seed = -1 is not allowed"),
     ],
@@ -121,5 +121,7 @@ def test_more_keys_than_there_are_settings_are_refused_before_their_values_are_m
     sweep = tmp_path / "keys.toml"
     points = "points = 50000\n" * (table == "sobol")
     sweep.write_text(f'scenario = "line"\n[{table}]\n{points}{rows}\n')
-    with pytest.raises(UsageError, match="^101 keys vary: .*; give from 1 to 100 of"):
+    with pytest.raises(
+        UsageError, match="^101 keys are given: .*; give from 1 to 100 of"
+    ):
         file.read_sweep(str(sweep))

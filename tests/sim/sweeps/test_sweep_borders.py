@@ -121,7 +121,7 @@ def test_logarithmic_samples_are_even_in_their_logarithm():
         ({"points": MOST_POINTS + 1, "a": [0, 1]}, "from 1 to 50000"),
         ({"points": 4, "seed": -1, "a": [0, 1]}, "seed = -1"),
         ({"points": 4, "seed": 2**32, "a": [0, 1]}, "from 0 to 4294967295"),
-        ({"points": 4}, "no keys vary"),
+        ({"points": 4}, "no keys are given"),
         ({"points": 4, "a": [0, 1, 2]}, "no two ends"),
         ({"points": 4, "a": [0]}, "no two ends"),
     ],
