@@ -94,6 +94,7 @@ def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | No
     held = options.walking is False
     _check_logs(paths, logs, held)
     logs = [ordered(log, logs[0].joints) for log in logs]
+    fitting.check_told(paths, logs)
     if run is not None:
         return prepare(scenario, robot), logs, None if held else walked_of_run(run)
     setup = prepare(scenario, robot, log=logs[0])

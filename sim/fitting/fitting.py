@@ -120,11 +120,20 @@ def _fitted_model(setup: Setup, log: Log, whole: Array) -> mujoco.MjModel:
 
 def check_measured(path: Path, log: Log) -> None:
     """Refuse a log that measured too little to fit servos, or nothing that checks."""
-    if log.measured is not None:
-        counts = np.isfinite(log.measured).sum(axis=0)
-        few = (counts[counts > 0] < FEWEST_ROWS).any()
-        if few or np.isnan(_rows(log, True)[1]).all():
-            raise UsageError.of("few_rows", path, FEWEST_ROWS=FEWEST_ROWS)
+    short = len(log.time) < FEWEST_ROWS
+    if log.measured is not None and (short or np.isnan(_rows(log, True)[1]).all()):
+        raise UsageError.of("few_rows", path, FEWEST_ROWS=FEWEST_ROWS)
+
+
+def check_told(paths: Sequence[Path], logs: Sequence[Log]) -> None:
+    """Refuse logs that together tell too few angles of a joint, but some."""
+    joints, least = logs[0].joints, int(FITTED * FEWEST_ROWS)
+    parts = [_rows(log, False)[1] for log in logs if log.measured is not None]
+    counts = sum((np.isfinite(p).sum(axis=0) for p in parts), np.zeros(len(joints)))
+    for joint, count in zip(joints, counts.tolist(), strict=True):
+        if 0 < count < least:
+            facts = {"joint": joint, "count": int(count), "least": least}
+            raise UsageError.of("few_angles", ", ".join(map(str, paths)), **facts)
 
 
 def _rows(log: Log, kept: bool) -> tuple[Array, Array]:

@@ -168,7 +168,7 @@ def _require(
     """Refuse a column with a value of another type, or a number out of bounds."""
     for row, value in enumerate(values):
         number = value if isinstance(value, int | float) else least
-        odd = type(value) not in kinds or not str(value).isprintable()
-        if odd or not least <= number <= MOST:
+        odd = kinds == (str,) and not str(value).isprintable()  # a text of ours
+        if odd or type(value) not in kinds or not least <= number <= MOST:
             wanted += f" to {MOST:g}" * (number > MOST)
             raise refusal(value, wanted, "the table", f"row {row} of column {name!r}")

@@ -4,6 +4,7 @@ import errno
 import json
 import os
 import zipfile
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -14,7 +15,7 @@ from sim import folder
 from sim.commands.drive import _pose
 from sim.errors import FilesError, UsageError, one_line
 from sim.export.source import read_trajectory
-from sim.fitting.fitting import check_measured
+from sim.fitting.fitting import check_measured, check_told
 from sim.logs import log as logs
 from sim.palette import TEXT, WHITE, Colour
 from sim.physics.measure import CONTACT_FIELDS, _slots
@@ -151,12 +152,15 @@ def test_twenty_rows_are_enough_to_fit_and_nineteen_are_not(tmp_path):
 def test_a_joint_of_which_little_was_measured_is_not_fitted(tmp_path):
     """A single angle is met by a zero, as exactly as you like."""
     measured = np.zeros((40, 3))
-    measured[:, 1], measured[1:-1, 2] = np.nan, np.nan
-    log = SimpleNamespace(time=np.arange(40), measured=measured)
-    with pytest.raises(UsageError, match="or measured angles of a joint"):
-        check_measured(tmp_path, log)
-    log.measured = measured[:, :2]
-    check_measured(tmp_path, log)
+    measured[:, 1], measured[14:30, 2] = np.nan, np.nan  # the first 30 rows are fitted
+    log = SimpleNamespace(time=np.arange(40), measured=measured, joints=("a", "b", "c"))
+    said = "14 measured angles of joint 'c', of which at least 15 .*: x; leave out its"
+    with pytest.raises(UsageError, match=said):
+        check_told([Path("x")], [log])
+    check_told([Path("x"), Path("y")], [log, log])  # which tell enough together
+    measured[14, 2] = 0.0
+    check_told([Path("x")], [log])
+    check_told([Path("x")], [SimpleNamespace(measured=None, joints=("a",))])
 
 
 def test_contacts_of_feet_with_fewer_geoms_are_real_as_far_as_they_go(monkeypatch):

@@ -253,8 +253,8 @@ def test_a_log_that_measured_too_little_to_fit_or_to_check_is_refused(
     (tmp_path / "log.csv").write_text("\n".join([head, *rows]))
     assert main(["fit", "hexapod-classroom", str(tmp_path / "log.csv")]) == 2
     said = capsys.readouterr().err
-    assert "fewer than 20 rows, or measured angles of a joint, or none to its" in said
-    assert "log.csv; leave out rows in which none was measured, and joints of" in said
+    assert "fewer than 20 rows, or no angles to its end, which check: " in said
+    assert "log.csv; leave out rows in which none was measured" in said
 
 
 REFUSED = {
