@@ -27,8 +27,6 @@ from planner.support import read_file
 
 FREE = re.compile(r"<freejoint|type=\"free\"")
 PACKAGE = r'package://([^/"]+)/([^"]+)'
-HIDES = re.compile(r"<(!ENTITY|!ATTLIST|xacro:\w+)")  # what the engine does not read
-FILE = r"(?<=[\"'])file://"
 PARENTS = 4  # folders above a URDF in which its packages are looked for
 ROOT = "adopted_world"  # link that a URDF's base floats in
 
@@ -89,7 +87,7 @@ def source_of(name: str, allow_external: bool = False) -> Source:
         return Source(path, path, None)
     given = read_file(path).decode(errors="replace")
     found = re.sub(PACKAGE, lambda name: _in_package(path.parent, name), given)
-    drawn, notes = with_shapes(path, given, re.sub(FILE, "", found))
+    drawn, notes = with_shapes(path, given, re.sub("(?<=[\"'])file://", "", found))
     if drawn == given:
         inspect_model(path, (), allow_external)
     else:
@@ -176,9 +174,11 @@ Point = tuple[float, float, float]
 
 def _parsed(text: str) -> ET.Element:
     """The root of a text, its elements without their namespace, or those of others."""
-    if hides := HIDES.search(re.sub("(?s)<!--.*?-->", "", text)):
-        raise ET.ParseError(f"{hides[0]}> is not read; expand it with xacro")
+    if hides := re.search("<!(ENTITY|ATTLIST)", text):  # what the engine does not read
+        raise ET.ParseError(f"{hides[0]}> is not read; take it out")
     root = ET.fromstring(text)
+    if asked := [e.tag.partition("}")[2] for e in root.iter() if "/xacro}" in e.tag]:
+        raise ET.ParseError(f"<xacro:{asked[0]}> is not read; expand it with xacro")
     space = root.tag[: root.tag.find("}") + 1]
     for element in root.iter():
         element[:] = [e for e in element if e.tag.rpartition("}")[0] == space[:-1]]

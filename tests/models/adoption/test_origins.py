@@ -42,6 +42,11 @@ ENTITY = HIDDEN.replace("<", "&#60;").replace(">", "&#62;")
     ("head", "hidden", "said"),
     [
         (f"<!DOCTYPE r [<!ENTITY m '{ENTITY}'>]>", "&m;", "<!ENTITY> is not read"),
+        (
+            f"<!DOCTYPE r SYSTEM '<!--' [<!ENTITY m '{ENTITY}'>]><!-- -->",
+            "&m;",
+            "<!ENTITY> is not read",
+        ),
         ("", f"<s:collision>{HIDDEN[11:-12]}</s:collision>", "outside its own folder"),
     ],
 )
@@ -75,9 +80,10 @@ def test_urdf_finds_meshes_beside_itself_in_a_folder_of_any_name(tmp_path):
 def test_instructions_to_xacro_are_refused_unless_they_are_in_comments(tmp_path):
     """They would be dropped, such as the limits of a joint."""
     path = next(one for one in ADOPTEES if one.name == "box").write(tmp_path)
-    text = path.read_text().replace("<robot ", '<robot xmlns:xacro="x" ', 1)
+    space = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+    text = path.read_text().replace("<robot ", f"<robot {space} ", 1)
     asked = '<xacro:limits lower="-0.4"/>'
-    path.write_text(text.replace("</link>", f"<!-- {asked} <!ENTITY --></link>", 1))
+    path.write_text(text.replace("</link>", f"<!-- {asked} --></link>", 1))
     assert source_of(str(path)).text
     path.write_text(text.replace("</link>", f"{asked}</link>", 1))
     with pytest.raises(ModelError, match="; <xacro:limits> is not read; expand it"):
