@@ -57,7 +57,7 @@ def _check_names(robot: Robot) -> None:
         named += [("geom", name) for name in leg.foot]
     every = [*named, *(("joint", name) for name in card.start)]
     if missing := [part for part in every if part[1] not in known[part[0]]]:
-        lacks = ", ".join(f"{kind} {name!r}" for kind, name in missing)
+        lacks = ", ".join(f"{kind} {name!r}" for kind, name in missing[:9])
         kind, name = missing[0]
         similar = did_you_mean(name, sorted(known[kind]))
         raise _wrong("lacking", robot.path, lacks=lacks, similar=similar)

@@ -22,7 +22,7 @@ from planner.support import unknown
 # [s]; with slower lifts the slip at lift-off and touchdown no longer decreases
 LIFT_TIME = 0.3
 QUICKEST_LIFT = 0.001  # [s]
-MOST_STRATA = 1000  # of a gait
+MOST_LEGS = 1000  # and groups, patterns, and strata of a gait
 OF_LOGS = ("measured.", "body.", "contact.")  # begin columns of logs
 CLOCKS = (20e6, 30e6)  # [Hz]; its data sheet's by a fifth more or less
 
@@ -186,6 +186,10 @@ class Card:
             raise ValueError(message("least_load", given=least))
 
     def _check_groups(self) -> None:
+        parts = {"strata": self.gait, "legs": self.legs, "groups": self.groups}
+        for what, some in (parts | {"patterns": self.patterns}).items():
+            if len(some) > MOST_LEGS:
+                raise ValueError(f"{len(some)} {what}; {MOST_LEGS} are the most")
         if odd := [n for n in self.groups if len(n) != 1 or not n.isalnum()]:
             raise ValueError(f"names of groups are a letter or digit each, got {odd}")
         grouped = chain.from_iterable(group.legs for group in self.groups.values())
@@ -198,8 +202,6 @@ class Card:
                 raise ValueError(message("one_group", leg=leg, groups=groups))
 
     def _check_gait(self) -> None:
-        if len(self.gait) > MOST_STRATA:
-            raise ValueError(f"{len(self.gait)} strata; {MOST_STRATA} are the most")
         if len(self.gait) < 2 or self.gait[0] != self.gait[-1]:
             raise ValueError(message("open_gait", gait=list(self.gait)))
         for stratum in self.gait:

@@ -67,13 +67,14 @@ def read(text: str) -> tuple[WalkedPhase, ...]:
 def require_known(phases: Iterable[WalkedPhase], card: Card) -> None:
     """Refuse, with a ValueError, what no walk of a card's robot does."""
     groups, legs = [*card.groups], ["legs", *map(str, sorted(card.legs))]
+    known = {*groups, *card.patterns}
     gains = [abs(g) for group in card.groups.values() for g in group.legs.values()]
     shares = [abs(g) for one in card.patterns.values() for g in one.groups.values()]
     most = FARTHEST / min(1.0, *gains) / min([1.0, *shares])
     for p in phases:
         stands = _some(p.stratum, groups) or _some(p.stratum.split(" "), legs)
-        fields = ["", *(f"g{p.stratum}_{own}" for own in (*groups, *card.patterns))]
-        swings = p.field in fields if p.kind == "swing" else not p.field
+        own = p.field.removeprefix(f"g{p.stratum}_")
+        swings = not p.field or (p.kind == "swing" and own != p.field and own in known)
         if not (stands and swings and _some(p.group, groups) and abs(p.amount) <= most):
             line = ",".join(map(str, p))
             raise ValueError(f"flows.csv has what its robot does not do, {line[:80]}")

@@ -46,7 +46,7 @@ def compare(runs: Sequence[Run]) -> Comparison:
     keys = (k for k in dict.fromkeys(chain(*settings)) if k not in IGNORED)
     rows = [(k, *(s.get(k, "not set") for s in settings)) for k in keys]
     differing = [row for row in rows if len(set(row[1:])) > 1]
-    same = [row[:2] for row in rows if row not in differing]
+    same = [row[:2] for row in rows if len(set(row[1:])) == 1]
     return Comparison(
         runs,
         differences=Table(("setting", *names(runs)), differing),

@@ -33,7 +33,7 @@ from sim.scenarios.settings import SETTINGS
 
 SURE = 2.146  # standard deviations of a normal point in the plane that hold 90 %
 NOMINAL_POINTS = 400  # of the nominal path as it is drawn
-FARTHEST = 1e5  # [m] that a path leads; a picture has no numbers for a robot beyond
+PICTURED = 1e5  # [m] that a path leads; a picture has no numbers for a robot beyond
 PLACES = ("contact_point", "center_of_mass")  # arrays of points that are not poses
 START = "world_start_pose"  # array with the frame in which poses are given
 
@@ -269,7 +269,7 @@ def read_run(folder: Path, *, inspected: bool = False) -> Run:
             inspected=inspected,
         )
         _ = run.obstacles  # which say in time what is wrong, as the path does
-        if (far := np.abs(run.nominal[:, :2]).max()) > FARTHEST:
+        if (far := np.abs(run.nominal[:, :2]).max()) > PICTURED:
             raise ValueError(f"its path leads {far:.3g} m away")
         if not inspected:
             about = description.parse_toml(card)

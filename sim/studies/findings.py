@@ -36,7 +36,7 @@ def explained(values: Sequence[object], results: Array, exact: bool) -> float | 
     then differ by the setting alone, and within them the others vary, not chance.
     """
     known = np.isfinite(results)
-    results = results[known]
+    results = results[known] - results[known][:1]  # equal ones are exactly 0
     distinct, groups = np.unique(group(values, exact)[known], return_inverse=True)
     count = len(distinct)
     if count < 2 or len(results) <= count:

@@ -126,7 +126,7 @@ def read_results(path: Path, prediction: str = "") -> Results:
     parts = given.items() if isinstance(given := about.get("asked"), dict) else ()
     asked = {name: part for name, part in parts if isinstance(part, dict)}
     known = asked.get("vary", {})
-    keys = tuple(key for names in known for key in names.split(SIDE_BY_SIDE))
+    keys = tuple(dict.fromkeys(k for names in known for k in names.split(SIDE_BY_SIDE)))
     strange = [key for key in keys if "/" in key or not key.isprintable()]
     lacking = [key for key in (*keys, "point", "status") if key not in columns]
     if "vary" not in asked or strange or lacking:

@@ -30,7 +30,6 @@ LINEAR, LOGARITHMIC = "linear", "log"
 LAST_END = 1e100  # between ends beyond it there may be no numbers
 OF_SOBOL = {"points", "seed"}  # which are no settings there
 MOST_POINTS = 50_000  # of a sweep; checking them takes some ten seconds
-BEYOND = 10**12  # points of a sweep, of which no more are counted
 MOST_KEYS = 100  # of a sweep; of so many points they take half a gigabyte
 WHOLE = {name for name, item in SETTINGS.items() if item.includes(int)}
 STUDIES = Path(str(files("sim.studies")))
@@ -52,7 +51,7 @@ class Sweep:
     filmed: bool = False  # whether these folders get films
 
     def __post_init__(self) -> None:
-        if (count := _count(self.blocks)) > MOST_POINTS:
+        if not 0 < (count := _count(self.blocks)) <= MOST_POINTS:
             where = f"sweep {self.name!r}"
             raise UsageError.of("points", where, count=count, most=MOST_POINTS)
 
@@ -100,7 +99,7 @@ def read_sweep(source: str) -> Sweep:
     made = list[Block]()
     for block in grid_blocks(_inner(table, "grid")):
         made.append(block)
-        if _count(made) > BEYOND:
+        if _count(made) > MOST_POINTS**2:  # of which no more are counted
             break
     made += [list_block(lists)] if (lists := dict(flat(_inner(table, "list")))) else []
     made += [sobol_block(inner)] if (inner := _inner(table, "sobol")) else []

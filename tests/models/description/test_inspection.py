@@ -220,16 +220,12 @@ def test_a_file_that_is_missing_is_named(robot):
 @pytest.mark.parametrize(
     ("more", "gigabytes"),
     [
-        (
-            '<sensor><user name="u" dim="70000" datatype="real" needstage="pos"/>'
-            "</sensor>",
-            0.6,
-        ),
+        ('<sensor><user dim="70000" needstage="pos"/></sensor>', 0.6),
         ('<size nuserdata="1000000"/>', 8.0),
         ('<sensor><clock name="c" nsample="9000000"/></sensor>', 1.4),
         (
-            '<actuator><general name="a" joint="swing_1" dyntype="user" '
-            'actdim="90000"/></actuator>',
+            '<actuator><general joint="swing_1" dyntype="user" actdim="90000"/>'
+            "</actuator>",
             0.7,
         ),
         (

@@ -115,3 +115,9 @@ def test_walks_are_compared_with_the_prediction_that_their_verdicts_are_by(tmp_p
     assert same.classes["within 1 %"] == other.classes["within 10 %"] == 3
     assert "\nverdicts: arrived 3\n" in str(same)
     assert "\nverdicts, by the compliant prediction: arrived 3\n" in str(other)
+
+
+@pytest.mark.parametrize("count", [13, 19, 20, 199])
+def test_nothing_explains_results_that_are_all_the_same(count):
+    """Their mean is off by what was rounded, of which a setting could explain all."""
+    assert explained([*range(5)] * count, np.full(5 * count, 0.0123), True) is None

@@ -125,3 +125,9 @@ def test_more_keys_than_there_are_settings_are_refused_before_their_values_are_m
         UsageError, match="^101 keys are given: .*; give from 1 to 100 of"
     ):
         file.read_sweep(str(sweep))
+
+
+def test_a_sweep_whose_key_has_no_values_is_refused():
+    """As a sweep.json may have it that somebody has changed."""
+    with pytest.raises(UsageError, match="0 points"):
+        file.Sweep("s", {}, {}, ((("friction",), []),), ())

@@ -4,6 +4,7 @@ import json
 import os
 import signal
 import time
+from contextlib import nullcontext
 from dataclasses import replace
 
 import pytest
@@ -206,6 +207,18 @@ def test_numbers_that_no_sweep_has_as_many_of_are_refused(tmp_path, monkeypatch)
     assert len(read_ledger(tmp_path / "one")) == 2
     with pytest.raises(UsageError, match="line 2 is .*, no sweep has so many"):
         read_ledger(tmp_path / "two")
+
+
+def test_a_table_of_many_points_and_many_numbers_is_refused(tmp_path, monkeypatch):
+    """200 lines take 38 kB each, 300 names 6 kB each, and each place in both 20."""
+    numbers = {f"x{n:03d}": 0 for n in range(300)}
+    outcomes = [replace(FIRST, digest=str(n), numbers=numbers) for n in range(200)]
+    with opened(tmp_path / "ledger") as ledger:
+        ledger.add(outcomes)
+    for most, said in ((10**7, "no sweep has so many"), (1.2e7, "")):
+        monkeypatch.setattr("sim.sweeps.ledger.LARGEST_LEDGER", most)
+        with pytest.raises(UsageError, match=said) if said else nullcontext():
+            assert len(read_ledger(tmp_path / "ledger")) == 200
 
 
 def test_results_of_no_point_of_a_sweep_are_left_out(tmp_path):
