@@ -94,7 +94,7 @@ def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | No
     held = options.walking is False
     _check_logs(paths, logs, held)
     logs = [ordered(log, logs[0].joints) for log in logs]
-    fitting.check_told(paths, logs)
+    fitting.check_told(paths[0], logs)
     if run is not None:
         return prepare(scenario, robot), logs, None if held else walked_of_run(run)
     setup = prepare(scenario, robot, log=logs[0])
@@ -108,11 +108,10 @@ def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | No
 
 def _check_logs(paths: Sequence[Path], logs: Sequence[Log], held: bool) -> None:
     """Refuse logs that tell nothing of servos or walks, too much, or other joints."""
-    known = [(log, m.size) for log in logs if (m := log.measured) is not None]
-    seconds = sum(log.duration * len(log.joints) for log, _ in known)
-    count = sum(size for _, size in known)
+    seconds = sum(log.duration * len(log.joints) for log in logs)
+    count = sum(log.measured.size for log in logs if log.measured is not None)
     if count + fitting.A_SECOND * seconds > fitting.MOST_ANGLES:
-        raise UsageError.of("many_angles", paths[0], count=count, seconds=seconds)
+        raise UsageError("too long a log to fit", str(paths[0]), "give a part of it")
     for path, log in zip(paths, logs, strict=True):
         if log.measured is None and log.pose is None:
             raise UsageError.of("unmeasured", path)

@@ -125,15 +125,14 @@ def check_measured(path: Path, log: Log) -> None:
         raise UsageError.of("few_rows", path, FEWEST_ROWS=FEWEST_ROWS)
 
 
-def check_told(paths: Sequence[Path], logs: Sequence[Log]) -> None:
+def check_told(path: Path, logs: Sequence[Log]) -> None:
     """Refuse logs that together tell too few angles of a joint, but some."""
-    joints, least = logs[0].joints, int(FITTED * FEWEST_ROWS)
+    joints, few = logs[0].joints, int(FITTED * FEWEST_ROWS)
     parts = [_rows(log, False)[1] for log in logs if log.measured is not None]
     counts = sum((np.isfinite(p).sum(axis=0) for p in parts), np.zeros(len(joints)))
     for joint, count in zip(joints, counts.tolist(), strict=True):
-        if 0 < count < least:
-            facts = {"joint": joint, "count": int(count), "least": least}
-            raise UsageError.of("few_angles", ", ".join(map(str, paths)), **facts)
+        if 0 < count < few:
+            raise UsageError.of("few_angles", path, joint=joint, count=count, least=few)
 
 
 def _rows(log: Log, kept: bool) -> tuple[Array, Array]:

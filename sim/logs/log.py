@@ -159,10 +159,10 @@ def _table(path: Path, joints: Sequence[str] = ()) -> dict[str, Array]:
     text = read_file(path, LARGEST_LOG).decode("utf-8-sig", "replace")
     if "\0" in text:
         raise ValueError("it has zero bytes, as UTF-16 does; save it in UTF-8, without")
-    head = text.lstrip("\r\n").partition("\n")[0].replace('"', "")
+    head = text.lstrip("\r\n").partition("\n")[0].replace('"', "").strip("\r")
     if text.count("\n") > MOST_NUMBERS or max(map(len, text.split("\n"))) > LONGEST_ROW:
         raise ValueError(f"more than {MOST_NUMBERS} lines, or one that is too long")
-    parted = max(",;\t", key=lambda mark: (TIME + mark in head, head.count(mark)))
+    parted = max(",;\t", key=lambda m: (m + TIME + m in m + head + m, head.count(m)))
     lines = filter(None, csv_lines(text, parted))
     names = [n if n in joints else n.strip() for n in next(lines, [])]
     if TIME not in names:

@@ -7,7 +7,8 @@ tables may change: servos may be mounted anew.
 import hashlib
 import json
 from collections.abc import Collection, Mapping
-from pathlib import Path, PurePosixPath
+from os.path import normpath
+from pathlib import Path
 
 from planner.support import open_file
 from sim.scenarios.settings import SETTINGS
@@ -21,7 +22,7 @@ TOLD = ("seals", "timing")  # of summary.json; a film that is drawn takes time
 MOUNTED = ("description", "servo", "board")  # of a card
 TABLES = {"scenario.toml": FREE, CARD: MOUNTED, "summary.json": TOLD}
 WHOLE = ("commands.npz", "trajectory.npz", "flows.csv", "feedback.csv")
-LARGEST_SEALED = 4 * 10**9  # bytes of a file, which take seconds to digest
+LARGEST_SEALED = 4 * 10**9  # bytes of all files, which take seconds to digest
 
 
 def seals(folder: Path, *tables: Table, copies: Collection[str] = ()) -> Seals:
@@ -30,20 +31,23 @@ def seals(folder: Path, *tables: Table, copies: Collection[str] = ()) -> Seals:
     Copies are the robot's files. A summary that has seals names its own ones, which are
     sealed again, all but the model.
     """
-    told = tables[-1].get("seals")
-    sealed = told if isinstance(told, Mapping) else {}
+    sealed = told if isinstance(told := tables[-1].get("seals"), Mapping) else {}
     names = {*WHOLE, *map(str, sealed)} - {*TABLES, MODEL} | {*copies}
-    inside = [n for n in sorted(names) if not {"..", "/"} & {*PurePosixPath(n).parts}]
+    inside = [n for n in sorted(names) if n == normpath(n) and n[0] not in "./"]
     named = zip(TABLES.items(), tables, strict=True)
-    found = {name: _seal_of_table(table, free) for (name, free), table in named}
+    found: Seals = {name: _seal_of_table(table, free) for (name, free), table in named}
     if sealed and CARD not in sealed:  # as in earlier versions
         del found[CARD]
-    return found | {name: seal(folder / name) for name in inside}
+    room = LARGEST_SEALED
+    for name in inside:
+        found[name] = seal(folder / name, room)
+        room -= (folder / name).stat().st_size if found[name] else 0
+    return found
 
 
-def seal(path: Path) -> str | None:
+def seal(path: Path, most: int = LARGEST_SEALED) -> str | None:
     """Digest of a file; None if there is no such file, or it is too large."""
-    if not path.is_file() or path.stat().st_size > LARGEST_SEALED:
+    if not path.is_file() or path.stat().st_size > most:
         return None
     with open_file(path) as file:
         return hashlib.file_digest(file, "sha256").hexdigest()[:16]

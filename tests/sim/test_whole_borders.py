@@ -156,11 +156,11 @@ def test_a_joint_of_which_little_was_measured_is_not_fitted(tmp_path):
     log = SimpleNamespace(time=np.arange(40), measured=measured, joints=("a", "b", "c"))
     said = "14 measured angles of joint 'c', of which at least 15 .*: x; leave out its"
     with pytest.raises(UsageError, match=said):
-        check_told([Path("x")], [log])
-    check_told([Path("x"), Path("y")], [log, log])  # which tell enough together
+        check_told(Path("x"), [log])
+    check_told(Path("x"), [log, log])  # which tell enough together
     measured[14, 2] = 0.0
-    check_told([Path("x")], [log])
-    check_told([Path("x")], [SimpleNamespace(measured=None, joints=("a",))])
+    check_told(Path("x"), [log])
+    check_told(Path("x"), [SimpleNamespace(measured=None, joints=("a",))])
 
 
 def test_contacts_of_feet_with_fewer_geoms_are_real_as_far_as_they_go(monkeypatch):

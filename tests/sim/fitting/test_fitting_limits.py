@@ -25,12 +25,10 @@ def test_more_angles_than_memory_is_lent_for_are_refused(monkeypatch):
     log = SimpleNamespace(time=np.arange(20.0), measured=np.ones((20, 2)))
     log.joints, log.pose, log.duration = ("hip", "knee"), None, 0.1
     _check_logs(["a"], [log], held=False)
-    with pytest.raises(
-        UsageError, match="80 measured angles in 0 s of .*: a; give a p"
-    ):
+    with pytest.raises(UsageError, match="too long a log to fit: a; give a part of it"):
         _check_logs(["a", "b"], [log, log], held=False)
     log.duration = 0.2  # however few its rows are
-    with pytest.raises(UsageError, match="40 measured angles in 0 s of all joints"):
+    with pytest.raises(UsageError, match="too long a log to fit"):
         _check_logs(["a"], [log], held=False)
 
 

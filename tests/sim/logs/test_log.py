@@ -45,6 +45,8 @@ def test_marks_in_names_do_not_part_columns(tmp_path):
     for text, name in (
         ("time,hip;;1\n0,0\n1,1\n", "hip;;1"),
         ('time;"a,b,c"\n0;0\n1;1\n', "a,b,c"),
+        ("hip;;1,time\r\n0,0\r\n1,1\r\n", "hip;;1"),
+        ('"a,b";time\n0;0\n1;1\n', "a,b"),
         ('"time"\t"a,b,c;d"\n0\t0\n1\t1\n', "a,b,c;d"),
     ):
         path.write_text(text)
