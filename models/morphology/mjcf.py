@@ -68,11 +68,6 @@ class Morphology:
             if not value > 0:
                 raise ValueError(f"{self.name}: {field} must be positive, got {value}")
 
-    @property
-    def mass(self) -> float:
-        """Mass of the whole robot [kg]."""
-        return self.body_mass + self.leg_mass * len(self.legs)
-
 
 def legs_towards_pivots(
     feet: Mapping[int, Point], pivots: Mapping[int, Point], kappa: float

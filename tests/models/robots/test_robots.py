@@ -39,7 +39,8 @@ def test_feet_hips_and_mass_are_where_the_morphology_says(shape):
         np.array([shape.legs[leg].hip for leg in robot.legs]), abs=1e-11
     )
     assert stance.height == pytest.approx(0.0, abs=1e-11)
-    assert robot.model.body_mass.sum() == pytest.approx(shape.mass)
+    mass = shape.body_mass + shape.leg_mass * len(shape.legs)
+    assert robot.model.body_mass.sum() == pytest.approx(mass)
 
 
 def test_every_joint_foot_camera_and_sensor_is_named(robot):
