@@ -31,7 +31,7 @@ NOTHING = 1e-300  # beside angles [rad]
 LAW_STEP = 0.004  # [s] of the law, which is solved exactly in between
 KNOTS = 10  # steps from one evaluation of weights to the next
 GOING = 1.0  # [s] in which the robot goes from its start to the log's first row
-LIGHTEST, LEAST_LAG = 1e-7, 1e-3  # [kg m^2], and [s] of damping by stiffness
+LIGHTEST, LAG = 1e-7, 1e-3  # [kg m^2], [s] by which servos without damping brake
 NEAR_RATE = 1.02  # ratio of rates of rows and of commands, below which these are those
 SETTLING = 0.5  # [s] that it then stands
 
@@ -168,7 +168,7 @@ def known_servos(setup: Setup, log: Log) -> tuple[Array, Array]:
     model, servos = setup.as_planned.model, _servos(setup, log)
     damping = model.dof_damping[_dofs(model, log)] - model.actuator_biasprm[servos, 2]
     stiffness = model.actuator_gainprm[servos, 0].copy()
-    return stiffness, np.maximum(damping, LEAST_LAG * stiffness)
+    return stiffness, np.where(damping > 0, damping, LAG * stiffness)
 
 
 def _inertia(model: mujoco.MjModel, dofs: Array) -> tuple[Array, Array]:

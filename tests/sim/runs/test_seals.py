@@ -31,3 +31,14 @@ def test_servos_may_be_mounted_anew_and_legs_may_not(tmp_path):
     sealed = seals(tmp_path, {}, card, {})
     assert seals(tmp_path, {}, card | anew, {}) == sealed
     assert seals(tmp_path, {}, card | {"lift_angle": 0.2}, {}) != sealed
+
+
+def test_what_a_summary_names_is_digested_once_and_up_to_a_limit(tmp_path, monkeypatch):
+    """A file by many names, or many large ones, would take hours."""
+    monkeypatch.setattr("sim.runs.seals.LARGEST_SEALED", 15)
+    for name in "ab":
+        (tmp_path / name).write_text("ten bytes.")
+    told = dict.fromkeys(["a", "./a", ".//a", "x/../a", "b"], "0")
+    found = seals(tmp_path, {}, {}, {"seals": told})
+    assert found.keys() & told.keys() == {"a", "b"}
+    assert (bool(found["a"]), found["b"]) == (True, None)
