@@ -110,8 +110,10 @@ def _check_logs(paths: Sequence[Path], logs: Sequence[Log], held: bool) -> None:
     """Refuse logs that tell nothing of servos or walks, too much, or other joints."""
     seconds = sum(log.duration * len(log.joints) for log in logs)
     count = sum(log.measured.size for log in logs if log.measured is not None)
-    if count + fitting.A_SECOND * seconds > fitting.MOST_ANGLES:
-        raise UsageError("too long a log to fit", str(paths[0]), "give a part of it")
+    part = fitting.MOST_ANGLES / (count + fitting.A_SECOND * seconds)
+    if part < 1:
+        remedy = f"give {part:.0%} of them at most"
+        raise UsageError("the logs are too long to fit", str(paths[0]), remedy)
     for path, log in zip(paths, logs, strict=True):
         if log.measured is None and log.pose is None:
             raise UsageError.of("unmeasured", path)

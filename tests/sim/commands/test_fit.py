@@ -111,6 +111,7 @@ def test_poses_of_a_run_on_a_stand_are_not_fitted(monkeypatch, tmp_path, walking
     monkeypatch.setattr(command.cli, "robot_of", lambda *_: None)
     monkeypatch.setattr(command.cli, "reader_of", lambda *_: None)
     monkeypatch.setattr(command.fitting, "check_measured", lambda *_: None)
+    monkeypatch.setattr(command.fitting, "check_told", lambda *_: None)
     monkeypatch.setattr(command, "prepare", lambda *_: None)
     monkeypatch.setattr(command, "walked_of_run", lambda _: "walked")
     _, _, walked = command._sources(options(str(tmp_path), walking=walking))
@@ -121,6 +122,7 @@ def test_poses_that_cannot_be_fitted_are_refused_with_their_log(monkeypatch, hex
     log = logged(pose=np.zeros((2, 3)))
     monkeypatch.setattr(command.cli, "reader_of", lambda *_: lambda _: log)
     monkeypatch.setattr(command.fitting, "check_measured", lambda *_: None)
+    monkeypatch.setattr(command.fitting, "check_told", lambda *_: None)
     monkeypatch.setattr(command, "scenario_of", lambda *_: None)
     monkeypatch.setattr(command, "prepare", lambda *_, **__: "setup")
 
@@ -159,6 +161,7 @@ def test_logs_of_one_fit_are_brought_into_one_order_and_none_is_passed_over(
     monkeypatch.setattr(command.cli, "reader_of", lambda *_: lambda at: logs[str(at)])
     for place, name in (
         (command.fitting, "check_measured"),
+        (command.fitting, "check_told"),
         (command, "scenario_of"),
         (command, "prepare"),
     ):

@@ -25,10 +25,12 @@ def test_more_angles_than_memory_is_lent_for_are_refused(monkeypatch):
     log = SimpleNamespace(time=np.arange(20.0), measured=np.ones((20, 2)))
     log.joints, log.pose, log.duration = ("hip", "knee"), None, 0.1
     _check_logs(["a"], [log], held=False)
-    with pytest.raises(UsageError, match="too long a log to fit: a; give a part of it"):
+    with pytest.raises(
+        UsageError, match="too long to fit: a; give 67% of them at most"
+    ):
         _check_logs(["a", "b"], [log, log], held=False)
     log.duration = 0.2  # however few its rows are
-    with pytest.raises(UsageError, match="too long a log to fit"):
+    with pytest.raises(UsageError, match="the logs are too long to fit"):
         _check_logs(["a"], [log], held=False)
 
 
