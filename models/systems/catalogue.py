@@ -67,8 +67,7 @@ def parameters(name: str) -> dict[str, object]:
     maker = _maker(name)
     if isinstance(maker, partial):
         return dict(_content(name).get("parameters", {}))
-    signature = inspect.signature(maker)
-    return {key: value.default for key, value in signature.parameters.items()}
+    return {k: v.default for k, v in inspect.signature(maker).parameters.items()}
 
 
 def shipped_system(name: str, values: Mapping[str, object] | None = None) -> Problem:
@@ -119,6 +118,7 @@ OPTIONAL = (
     *("degree", "words", "flat", "hitches"),
     *("parameters", "limits", "level_sets", "metric", "lifts"),
 )
+MOST_NAMES = 100  # of coordinates, and of parameters
 FLAT = ("along", "across", "rate", "slope")
 Reader = Callable[[str, object], sp.Expr]
 
@@ -160,9 +160,7 @@ def _run(path: Path, values: Mapping[str, object]) -> Problem:
     read_file(path)  # which refuses what has no end
     try:
         problem = runpy.run_path(str(path)).get("problem")
-    except KeyboardInterrupt:
-        raise
-    except BaseException as error:  # sys.exit, too
+    except (Exception, SystemExit) as error:
         raise ValueError(f"it ends with {type(error).__name__}: {error}") from error
     if not isinstance(problem, Problem):
         raise ValueError("it defines no models.Problem named `problem`; define one")
@@ -215,6 +213,8 @@ def _language(
             raise ValueError(f"parameter {key!r} {unknown(key, known)}")
     given = Table({**known, **values}, "parameters")
     state = tuple(sp.Symbol(name, real=True) for name in table.texts("state"))
+    if (most := max(len(state), len(known))) > MOST_NAMES:
+        raise ValueError(f"{most} coordinates or parameters; give {MOST_NAMES} at most")
     parameters = {name: given.exact(name) for name in given.values}
     for name in parameters:
         if name in map(str, state):
@@ -236,7 +236,7 @@ def _language(
 def _system(
     table: Table, state: tuple[sp.Symbol, ...], formula: Reader
 ) -> StratifiedSystem:
-    names = tuple(map(str, state))
+    names = tuple(map(str, state)) or ("x",)
 
     def column(field: str, rates: object) -> list[sp.Expr]:
         what = f"field {field}"
