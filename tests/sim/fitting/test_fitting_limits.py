@@ -6,11 +6,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from sim.cli import main
 from sim.commands.fit import _check_logs
 from sim.errors import UsageError
 from sim.fitting.estimate import Estimates, Parameter, _in_words
 from sim.fitting.fitting import JointFit, _rows
 from sim.fitting.poses import BODY, PoseFit
+from tests.sim.fitting.test_servos import classroom_log
 
 
 def test_three_quarters_of_a_log_are_fitted_and_the_rest_checks():
@@ -83,3 +85,12 @@ def test_parameters_may_have_any_value_and_are_no_logarithms_unless_it_is_said()
 def test_parameters_take_part_in_a_direction_from_a_quarter_on(part, said):
     direction = np.array([np.sqrt(1 - part**2), part])
     assert _in_words(["a", "b"], direction).startswith(said)
+
+
+def test_a_joint_that_a_log_hardly_measured_is_refused(tmp_path, capsys):
+    classroom_log(tmp_path / "log.csv")
+    head, *rows = (tmp_path / "log.csv").read_text().splitlines()
+    last = [row.rpartition(",")[0] + "," for row in rows[14:]]
+    (tmp_path / "log.csv").write_text("\n".join([head, *rows[:14], *last]))
+    assert main(["fit", "hexapod-classroom", str(tmp_path / "log.csv")]) == 2
+    assert "error: 14 measured angles of joint " in capsys.readouterr().err

@@ -237,15 +237,6 @@ def test_what_cannot_be_fitted_is_refused(
     assert message in capsys.readouterr().err
 
 
-def test_a_joint_that_a_log_hardly_measured_is_refused(tmp_path, capsys):
-    classroom_log(tmp_path / "log.csv")
-    head, *rows = (tmp_path / "log.csv").read_text().splitlines()
-    last = [row.rpartition(",")[0] + "," for row in rows[14:]]
-    (tmp_path / "log.csv").write_text("\n".join([head, *rows[:14], *last]))
-    assert main(["fit", "hexapod-classroom", str(tmp_path / "log.csv")]) == 2
-    assert "error: 14 measured angles of joint " in capsys.readouterr().err
-
-
 @pytest.mark.parametrize("part", ["start", "end"])
 def test_a_log_that_measured_too_little_to_fit_or_to_check_is_refused(
     part, tmp_path, capsys
