@@ -28,7 +28,7 @@ def test_more_angles_than_memory_is_lent_for_are_refused(monkeypatch):
     log.joints, log.pose, log.duration = ("hip", "knee"), None, 0.1
     _check_logs(["a"], [log], held=False)
     with pytest.raises(
-        UsageError, match="too long to fit: a; give 67% of them at most"
+        UsageError, match="too long to fit: a; give 51% of them at most"
     ):
         _check_logs(["a", "b"], [log, log], held=False)
     log.duration = 0.2  # however few its rows are
