@@ -160,7 +160,9 @@ def _run(path: Path, values: Mapping[str, object]) -> Problem:
     read_file(path)  # which refuses what has no end
     try:
         problem = runpy.run_path(str(path)).get("problem")
-    except (Exception, SystemExit) as error:
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # sys.exit, too
         raise ValueError(f"it ends with {type(error).__name__}: {error}") from error
     if not isinstance(problem, Problem):
         raise ValueError("it defines no models.Problem named `problem`; define one")
@@ -236,7 +238,7 @@ def _language(
 def _system(
     table: Table, state: tuple[sp.Symbol, ...], formula: Reader
 ) -> StratifiedSystem:
-    names = tuple(map(str, state)) or ("x",)
+    names = tuple(map(str, state)) or ("x",)  # in words, where there is none
 
     def column(field: str, rates: object) -> list[sp.Expr]:
         what = f"field {field}"

@@ -110,10 +110,8 @@ def _check_logs(paths: Sequence[Path], logs: Sequence[Log], held: bool) -> None:
     """Refuse logs that tell nothing of servos or walks, too much, or other joints."""
     seconds = sum(log.duration * len(log.joints) for log in logs)
     count = sum(log.measured.size for log in logs if log.measured is not None)
-    part = fitting.MOST_ANGLES / (count + fitting.A_SECOND * seconds)
-    if part < 1:
-        remedy = f"give {part:.0%} of them at most"
-        raise UsageError("the logs are too long to fit", str(paths[0]), remedy)
+    if (part := fitting.MOST_ANGLES / (count + fitting.A_SECOND * seconds)) < 1:
+        raise UsageError("too long to fit", str(paths[0]), f"give {part:.0%} of it")
     for path, log in zip(paths, logs, strict=True):
         if log.measured is None and log.pose is None:
             raise UsageError.of("unmeasured", path)

@@ -27,12 +27,10 @@ def test_more_angles_than_memory_is_lent_for_are_refused(monkeypatch):
     log = SimpleNamespace(time=np.arange(20.0), measured=np.ones((20, 2)))
     log.joints, log.pose, log.duration = ("hip", "knee"), None, 0.1
     _check_logs(["a"], [log], held=False)
-    with pytest.raises(
-        UsageError, match="too long to fit: a; give 51% of them at most"
-    ):
+    with pytest.raises(UsageError, match="too long to fit: a; give 51% of it"):
         _check_logs(["a", "b"], [log, log], held=False)
     log.duration = 0.2  # however few its rows are
-    with pytest.raises(UsageError, match="the logs are too long to fit"):
+    with pytest.raises(UsageError, match="too long to fit"):
         _check_logs(["a"], [log], held=False)
 
 
