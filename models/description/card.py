@@ -22,7 +22,7 @@ from planner.support import unknown
 # [s]; with slower lifts the slip at lift-off and touchdown no longer decreases
 LIFT_TIME = 0.3
 QUICKEST_LIFT = 0.001  # [s]
-MOST_LEGS = 1000  # and groups, patterns, and strata of a gait
+MOST_LEGS, MOST_OTHERS = 40, 1000  # the latter of groups, patterns, and a gait's strata
 OF_LOGS = ("measured.", "body.", "contact.")  # begin columns of logs
 CLOCKS = (20e6, 30e6)  # [Hz]; its data sheet's by a fifth more or less
 
@@ -188,8 +188,8 @@ class Card:
     def _check_groups(self) -> None:
         parts = {"strata": self.gait, "legs": self.legs, "groups": self.groups}
         for what, some in (parts | {"patterns": self.patterns}).items():
-            if len(some) > MOST_LEGS:
-                raise ValueError(f"{len(some)} {what}; {MOST_LEGS} are the most")
+            if len(some) > (most := MOST_LEGS if what == "legs" else MOST_OTHERS):
+                raise ValueError(f"{len(some)} {what}; {most} are the most")
         if odd := [n for n in self.groups if len(n) != 1 or not n.isalnum()]:
             raise ValueError(f"names of groups are a letter or digit each, got {odd}")
         grouped = chain.from_iterable(group.legs for group in self.groups.values())

@@ -25,6 +25,7 @@ NOT_NEGATIVE = (
     "command_rate", "resolution", "volts", "dead_band", "backlash", "profile_speed",
     "armature",
 )  # fmt: skip
+OF_SHEETS = 1e-15, 1e12  # least and largest of such numbers, in the units below
 NUMBERS = (*WITH_VOLTAGE, "full_error", "center", "reach", *NOT_NEGATIVE)
 """Numbers of a data sheet, by the names that cards and scenarios give them."""
 
@@ -118,6 +119,9 @@ class ServoKind:
         """
         for name in given.keys() - {*NUMBERS}:
             raise ValueError(f"a servo has no {name!r}; {did_you_mean(name, NUMBERS)}")
+        for name, value in given.items():
+            if value and not OF_SHEETS[0] <= abs(value) <= OF_SHEETS[1]:
+                raise ValueError(f"{name} = {value:g} is of no servo; correct it")
         ratio = given["volts"] / self.volts if "volts" in given and self.volts else 1.0
         scaled = {name: ratio * getattr(self, name) for name in WITH_VOLTAGE}
         values: dict[str, Any] = (scaled if ratio != 1.0 else {}) | dict(given)

@@ -25,6 +25,7 @@ Table = Mapping[str, Any]
 
 MOST_BYTES = 5 * 10**7  # of a plan, in memory twenty times as many
 FORMAT = "stratified plan, version 2"
+MOST_FLOWS = 250_000  # of a plan, which take ten seconds and 1.5 GB where it is shown
 WRONG = KeyError, TypeError, AttributeError, ValueError, OverflowError, StratumError
 
 
@@ -92,6 +93,7 @@ def save_plan(plan: Plan, path: Path | str) -> None:
     system_from(table["system"])  # what could not be read again is refused
     if not plan.gait:
         del table["gait"]
+    _require_few(plan.flows)
     text = json.dumps(table, default=np.ndarray.tolist)
     if len(text) > MOST_BYTES:
         facts = {"size": len(text) / 1e6, "most": MOST_BYTES / 1e6}
@@ -123,6 +125,7 @@ def load_plan(path: Path | str) -> Plan:
         raise ValueError(f"{path} is not a plan of the format {FORMAT!r}; save it anew")
     try:
         system, gait = system_from(table["system"]), tuple(table.get("gait", ()))
+        _require_few(table["flows"])
         return Plan(
             system=system,
             elements=tuple(table["elements"]),
@@ -138,3 +141,8 @@ def load_plan(path: Path | str) -> Plan:
         )
     except WRONG as error:
         raise ValueError(f"{path} is damaged: {error}; save the plan again") from None
+
+
+def _require_few(flows: Sequence[object]) -> None:
+    if (count := len(flows)) > MOST_FLOWS:
+        raise ValueError(f"a plan of {count} flows; {MOST_FLOWS} are the most")

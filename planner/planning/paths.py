@@ -5,6 +5,7 @@ Angles are continuous along a path and are never wrapped.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -180,14 +181,18 @@ def formula_curve(formulas: Mapping[str, object]) -> tuple[Path, float]:
 
     Formulas or numbers have the names of `COLUMNS`; those missing are 0.
     """
-    from planner.systems.formulas import real_formula  # slow to import, seldom needed
-
-    read = []
-    for name in COLUMNS:
-        text = formulas.get(name, 0)
+    given = [formulas.get(name, 0) for name in COLUMNS]
+    for name, text in zip(COLUMNS, given, strict=True):
         if isinstance(text, bool) or not isinstance(text, str | int | float):
             raise ValueError(f"{name} is {text!r}; write a formula of s")
-        read.append(real_formula(str(text), "s"))
+    return _formula_curve(*map(str, given))
+
+
+@lru_cache(maxsize=100)  # all points of a sweep have the same as a rule
+def _formula_curve(*texts: str) -> tuple[Path, float]:
+    from planner.systems.formulas import real_formula  # slow to import, seldom needed
+
+    read = [real_formula(text, "s") for text in texts]
 
     def at(parameters: Array) -> Array:
         return np.stack([coordinate(parameters) for coordinate in read], axis=-1)

@@ -20,6 +20,8 @@ from planner.numerics.arrays import Array
 from planner.numerics.collocation import STEP_NODES, follow, follow_all
 from planner.systems.strata import StratifiedSystem
 
+MOST_VISITS = 1000  # of a gait to its strata
+
 
 class Flow(NamedTuple):
     """The flow phi_t^g along one field of one stratum for a signed time, eq. (2).
@@ -209,8 +211,9 @@ class Gait:
         known = self.system.strata
         bare = (s if s in known else str(s).removeprefix("S") for s in self.strata)
         object.__setattr__(self, "strata", tuple(bare))
-        if not self.strata:
-            raise StratumError("a gait visits at least one stratum, got none (eq. 11)")
+        if not 0 < (count := len(self.strata)) <= MOST_VISITS:
+            visits = f"a gait visits 1 to {MOST_VISITS} strata, got {count or 'none'}"
+            raise StratumError(f"{visits} (eq. 11)")
         for name in self.strata:
             require_known(f"stratum {name!r} of gait {self}", name, known, StratumError)
         if self.strata[0] != self.strata[-1]:

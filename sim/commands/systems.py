@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from sim.commands import options as cli
-from sim.errors import StratawalkError, UsageError
+from sim.errors import StratawalkError, UsageError, message
+from sim.interruption import processor_time
 from sim.templates import render
 
 if TYPE_CHECKING:
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 
 Loads = Mapping[str, tuple[float, float]]  # by stratum: at rest, and at best
 SUFFIXES = (".toml", ".py")
+READING_TIME = 60.0  # [s] of the processor, for all formulas of a system
 
 
 def scenarios(options: argparse.Namespace) -> None:
@@ -95,7 +97,9 @@ def find(source: str, values: Mapping[str, object]) -> "Problem":
     path = Path(source)
     if path.suffix not in SUFFIXES:
         return shipped_system(source, values)
-    return load_system(path, values)
+    late = message("slow_system", seconds=READING_TIME)
+    with processor_time(READING_TIME, ValueError(late)):
+        return load_system(path, values)
 
 
 def coordinates(words: Sequence[str], option: str) -> dict[str, float]:

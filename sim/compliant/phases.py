@@ -27,6 +27,7 @@ SOON = 0.3  # [s]; lifts k times as long are remembered k^2.5 times as long, mea
 ALIKE = 1e-5  # [rad]; commands closer than this do the same
 SAME_HEADING = 0.02  # [rad], where gravity leans
 LOOKED_AT = 4  # moments of a phase at which commands are compared
+MOST_HELD = 10**8  # numbers of such commands, of all phases
 LANES_WORTH = 40.0  # lanes that an increment of many costs as much as
 HEADINGS = 3  # rounds in which headings are corrected
 
@@ -118,7 +119,7 @@ class Phases:
     def _found(self, course: Course) -> list[Motions]:
         """What every robot does in each phase; kinds that are new are computed."""
         known = {s: [like for like, _ in kinds] for s, kinds in self.kinds.items()}
-        where, new = [], []
+        where, new, held = [], [], 0
         for phase in range(len(course.spans)):
             shape, like = _window(course, phase)
             alike = known.setdefault(shape, [])
@@ -127,6 +128,8 @@ class Phases:
             if number == len(alike):
                 alike.append(like)
                 new.append(phase)
+                if (held := held + like.looks.size) > MOST_HELD:
+                    raise MeasurementError(message("crowded", count=len(course.spans)))
             where.append((shape, number))
         for phase, motions in list(self._computed(course, new)):  # all, or none at all
             shape, number = where[phase]

@@ -30,6 +30,7 @@ KINDS = get_type_hints(WalkedPhase) | {
 }
 COLUMNS = ("index", *WalkedPhase._fields)
 LARGEST = 1e9  # number, and more segments than any walk has
+SHORTEST_PHASE = 0.5e-6  # [s]; a phase lasts a step of physics or more
 FARTHEST = 4 * pi  # [rad] that a joint of a leg moves in a phase
 
 
@@ -57,6 +58,8 @@ def read(text: str) -> tuple[WalkedPhase, ...]:
         raise ValueError(f"flows.csv has a number that is not below {LARGEST:g}")
     if strange := {p.kind for p in phases}.difference(get_args(Kind)):
         raise ValueError(f"flows.csv has a phase of kind {min(strange)[:20]!r}")
+    if any(p.end - p.start < SHORTEST_PHASE for p in phases):
+        raise ValueError("flows.csv has a phase that takes no time")
     moments = [moment for p in phases for moment in (p.start, p.end)]
     segments = [0, *(p.segment for p in phases)]
     if moments != sorted(moments) or segments != sorted(segments):

@@ -29,6 +29,7 @@ LIFTED = 0.02  # of the highest lift, from which on a foot is in the air
 LEAST_LIFT = 5e-4  # [m]
 INSIDE_FEET = -1e-6  # share of the weight on each of three feet that bear it
 FLAT_FEET = 1e-9  # [m^2]; feet on a line make no triangle
+TOGETHER = 10**6  # triangles of feet at moments, which take 300 MB together
 DIGITS = 9  # of heights [m] that differ
 
 
@@ -57,22 +58,29 @@ class Posture:
 
         Those that rise or sink are about to swing, or have swung.
         """
-        above, near = self.height, self.near
+        above = self.height
         rise = np.abs(np.gradient(above, axis=0)) if len(above) > 1 else above * 0.0
         still = rise <= max(LIFTED * float(rise.max()), FLAT_FEET)
-        standing = (above <= near) & still
+        standing = (above <= self.near) & still
         three = np.array([*combinations(range(above.shape[1]), 3)])
-        shares = _shares(self.feet, self.center_of_mass, three)
-        inside = shares.min(axis=2) >= INSIDE_FEET
-        held = (inside & standing[:, three].all(axis=2)).any(axis=1)
-        rows = np.flatnonzero(inside.any(axis=1) & ~held)
-        # no foot is beneath that triangle around the weight which is lowest there
-        under = (shares * self.feet[:, three, 2]).sum(axis=2)
-        lowest = np.where(inside, under, np.inf)[rows].round(DIGITS).argmin(axis=1)
-        tilt, above = _seen_from_plane(self.feet[rows], three[lowest])
-        upright = tilt <= np.tan(UPRIGHT)
-        standing[rows[upright]] = above[upright] <= near
+        blocks = 1 + len(above) * len(three) // TOGETHER
+        for rows in np.array_split(np.arange(len(above)), blocks):
+            self._rest(rows, three, standing)
         return standing
+
+    def _rest(self, rows: Array, three: Array, standing: Array) -> None:
+        """Let the weight rest on feet where it would not on those that are to stand."""
+        feet = self.feet[rows]
+        shares = _shares(feet, self.center_of_mass[rows], three)
+        inside = shares.min(axis=2) >= INSIDE_FEET
+        held = (inside & standing[rows][:, three].all(axis=2)).any(axis=1)
+        falls = np.flatnonzero(inside.any(axis=1) & ~held)
+        # no foot is beneath that triangle around the weight which is lowest there
+        under = (shares * feet[:, three, 2]).sum(axis=2)
+        lowest = np.where(inside, under, np.inf)[falls].round(DIGITS).argmin(axis=1)
+        tilt, above = _seen_from_plane(feet[falls], three[lowest])
+        upright = tilt <= np.tan(UPRIGHT)
+        standing[rows[falls[upright]]] = above[upright] <= self.near
 
 
 def posture(robot: Robot, joints: Sequence[str], angles: Array) -> Posture:

@@ -1,5 +1,6 @@
 """Tables and sentences of a report: verdict, ends, errors by phase, settings."""
 
+from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -66,12 +67,14 @@ def sources(run: Run) -> Table | None:
     """What each kind of phase adds to the final error; None for a replanned walk."""
     if not (found := contributions(run)):
         return None
-    header = ["", "phases", "slip [mm]", "not as planned"]
+    header, of_label = ["", "phases", "slip [mm]", "not as planned"], defaultdict(list)
+    for phase in run.phases:
+        of_label[f"{phase.kind} S{phase.stratum}"].append(phase)
     for name in found:
         header += [f"{PREDICTIONS[name].label}: x [mm]", "y [mm]", "yaw [mrad]"]
     rows = []
     for name, labels in kinds_of(next(iter(found.values()))):
-        phases = [p for p in run.phases if f"{p.kind} S{p.stratum}" in labels]
+        phases = [phase for label in labels for phase in of_label[label]]
         slip = number(MM * sum(phase.slip for phase in phases), 1)
         facts = len(phases), slip, sum(not phase.as_planned for phase in phases)
         sums = (np.sum([p[x] for x in labels], axis=0) for p in found.values())

@@ -268,6 +268,8 @@ def read_run(folder: Path, *, inspected: bool = False) -> Run:
             stops=read_stops(read_text(stops)) if stops.exists() else (),
             inspected=inspected,
         )
+        if len(run.stops) > run.phases[-1].segment + 1:
+            raise ValueError("feedback.csv has more stops than the walk has segments")
         _ = run.obstacles  # which say in time what is wrong, as the path does
         if (far := np.abs(run.nominal[:, :2]).max()) > PICTURED:
             raise ValueError(f"its path leads {far:.3g} m away")

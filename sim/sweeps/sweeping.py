@@ -10,6 +10,7 @@ from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Seq
 from dataclasses import asdict, dataclass, replace
 from itertools import count
 from pathlib import Path
+from time import process_time
 
 from models import load, shipped_robots
 from models.morphology import geometry_of
@@ -38,6 +39,7 @@ from sim.sweeps.table import Row, write_table
 from sim.sweeps.worker_pool import Task, open_pool
 
 MOST_TEXT = 10**8  # letters of the scenarios of all points, checked in half a minute
+MOST_TIME, SURE = 300.0, 5.0  # [s] of checking all points; known after so long
 GOLDEN = (5**0.5 - 1) / 2  # whose multiples leave no large gap in the unit interval
 Show = Callable[[int, int, int], None]  # given the points done, failed, and all
 
@@ -104,12 +106,15 @@ def points_of(sweep: Sweep, shard: Shard) -> Points:
     """All points of a shard; impossible settings of one are refused."""
     numbers = [point for point in range(len(sweep)) if point in shard]
     scenarios, tables, size = dict[int, Scenario](), dict[int, Row](), 0
+    began = process_time()
     for done, n in enumerate(numbers, start=1):
         scenarios[n] = sweep.at(n)
         tables[n] = to_table(scenarios[n])
         size += len(repr(tables[n]))
-        if size * len(numbers) > done * MOST_TEXT:
-            facts = {"count": len(numbers), "most": done * MOST_TEXT // size}
+        time = (process_time() - began) / MOST_TIME
+        share = max(size / MOST_TEXT, time * (time > SURE / MOST_TIME))
+        if share * len(numbers) > done:
+            facts = {"count": len(numbers), "most": int(done / share)}
             raise UsageError.of("points", f"sweep {sweep.name!r}", **facts)
     shapes = {(s.robot, *(s.geometry or ())) for s in scenarios.values()}
     for robot, *names in sorted(shapes):

@@ -11,9 +11,11 @@ import pytest
 
 from sim.cli import main
 from sim.errors import UsageError
+from sim.feedback.stops import written
 from sim.runs.run import read_run
 from tests.commands import forbidden, refusal, run
 from tests.finished_runs import sealed
+from tests.sim.feedback.test_foreign_stops import STOPS
 from tests.sim.test_damaged_runs import COMMANDS
 
 
@@ -204,6 +206,15 @@ def test_rows_that_no_walk_has_are_refused(folder, name, change, said):
     np.savez(folder / "trajectory.npz", **kept | {name: change(kept[name])})
     sealed(folder)
     with pytest.raises(UsageError, match=said):
+        read_run(folder)
+
+
+@pytest.mark.physics
+def test_a_walk_stops_once_in_a_segment_at_most(folder):
+    stops = [STOPS[0]._replace(segment=n, time=n + 1.0) for n in range(99)]
+    (folder / "feedback.csv").write_text(written(stops))
+    sealed(folder)
+    with pytest.raises(UsageError, match="has more stops than the walk has segments"):
         read_run(folder)
 
 

@@ -64,8 +64,9 @@ REFUSED = [
       for v in (-1e-9, THIRD)),
     (CARD, {"lift_time": 0.99e-3}, "lift_time must be 0.001 s or more"),
     (CARD, {"gait": ("ab", "a") * 500 + ("ab",)}, "1001 strata; 1000 are the most"),
+    (CARD, {"legs": dict.fromkeys(range(1, 42), LEG)}, "41 legs; 40 are the most"),
     *((CARD, {n: dict.fromkeys(range(1, 1002), part)}, f"1001 {n}; 1000 are the most")
-      for n, part in (("legs", LEG), ("groups", GROUP), ("patterns", PATTERN))),
+      for n, part in (("groups", GROUP), ("patterns", PATTERN))),
     (CARD, {"gait": ("ab",)}, "gait ['ab'] does not close; it ends with the stratum"),
     (CARD, {"gait": ("ab", "a")}, "gait ['ab', 'a'] does not close"),
     (CARD, {"gait": ("ab", "c", "ab")}, "gait: stratum 'c' stands on group 'c', which"),

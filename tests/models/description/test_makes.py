@@ -1,7 +1,7 @@
 """Makes of servo by the names that are written on them and on their data sheets."""
 
 from dataclasses import replace
-from math import inf
+from math import inf, nan
 
 import numpy as np
 import pytest
@@ -70,6 +70,9 @@ def test_a_bus_servo_s_counts_divide_its_range(name):
         ),
         ("no-such", {}, "it "),
         ("sg90", {"volt": 5.0}, "a servo has no 'volt'; did you mean 'volts'"),
+        ("sg90", {"command_rate": 1e-320}, "command_rate = .* is of no servo; correct"),
+        ("sg90", {"center": -1.1e12}, "center = -1.1e.12 is of no servo; correct it"),
+        ("sg90", {"center": nan}, "center = nan is of no servo; correct it"),
     ],
 )
 def test_servos_without_a_make_need_torque_and_speed(name, given, message):

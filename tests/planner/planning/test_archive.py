@@ -197,3 +197,12 @@ def test_what_could_not_be_read_again_is_not_saved(tmp_path, monkeypatch):
     with pytest.raises(ValueError, match="is too large to be read again, 0 MB may be"):
         save_plan(long, tmp_path / "plan.json")
     assert list(tmp_path.iterdir()) == []
+    monkeypatch.undo()
+    save_plan(long, tmp_path / "long.json")
+    monkeypatch.setattr(archive, "MOST_FLOWS", most := len(long.flows) - 1)
+    said = f"a plan of {most + 1} flows; {most} are the most"
+    with pytest.raises(ValueError, match=said):
+        save_plan(long, tmp_path / "plan.json")
+    with pytest.raises(ValueError, match=said):
+        load_plan(tmp_path / "long.json")
+    assert [path.name for path in tmp_path.iterdir()] == ["long.json"]

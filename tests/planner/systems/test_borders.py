@@ -28,7 +28,8 @@ WALKER = StratifiedSystem(
 @pytest.mark.parametrize(
     ("gait", "message"),
     [
-        ((), "a gait visits at least one stratum, got none (eq. 11)"),
+        ((), "a gait visits 1 to 1000 strata, got none (eq. 11)"),
+        (("12",) * 1001, "a gait visits 1 to 1000 strata, got 1001 (eq. 11)"),
         (("12", "1"), "gait S12 -> S1 does not close: it starts in S12 and ends"),
         (("12", "2", "1", "12"), "gait S12 -> S2 -> S1 -> S12 steps from S2 to S1, wh"
                                  "ich are not neighbours; the neighbours of S2: S12, "),

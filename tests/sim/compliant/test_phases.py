@@ -35,6 +35,16 @@ def test_phases_that_are_known_are_not_computed_again(walk, monkeypatch):
     assert np.array_equal(again.pose, motion.pose)
 
 
+def test_phases_that_remember_too_many_commands_are_refused(walk, monkeypatch):
+    phases, way, _ = walk
+    held = sum(like.looks.size for kinds in phases.kinds.values() for like, _ in kinds)
+    fresh = Phases(phases.mechanics, phases.robots)
+    monkeypatch.setattr("sim.compliant.phases.MOST_HELD", held - 1)
+    with pytest.raises(MeasurementError, match=r"^\d+ phases follow .* so fast that"):
+        fresh.follow(way)
+    phases.follow(way)  # which are known
+
+
 def test_a_composed_walk_is_the_one_that_is_walked_through(walk):
     """Within 0.01 mm and 0.1 mrad, measured, where pieces have been joined."""
     phases, way, motion = walk

@@ -31,6 +31,12 @@ def test_numbers_of_phases_are_below_a_billion():
         read(written([SWING._replace(end=1e9)]))
 
 
+def test_phases_take_time():
+    with pytest.raises(ValueError, match=r"flows\.csv has a phase that takes no time"):
+        read(written([SWING, SWING._replace(start=1.0, end=1.0 + 1e-7)]))
+    assert len(read(written([SWING, SWING._replace(start=1.0, end=1.0 + 1e-6)]))) == 2
+
+
 @pytest.mark.parametrize(("turns", "known"), [(1.99, True), (2.01, False)])
 def test_joints_swing_by_two_turns_at_most_in_a_phase(turns, known):
     gains = [abs(g) for one in CARD.groups.values() for g in one.legs.values()]

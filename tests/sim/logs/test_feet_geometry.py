@@ -99,6 +99,15 @@ def test_the_weight_rests_on_the_lowest_triangle_around_it():
     ]
 
 
+def test_moments_that_are_looked_at_in_blocks_are_told_as_all_together(monkeypatch):
+    heights = np.random.default_rng(3).uniform(0.0, 0.003, (40, 4))
+    together = standing(heights, (0.02, -0.01)).standing
+    assert together.any(axis=1).all()
+    assert not together.all()
+    monkeypatch.setattr("sim.logs.feet.TOGETHER", 7)
+    assert (standing(heights, (0.02, -0.01)).standing == together).all()
+
+
 @pytest.mark.parametrize("share", [0.9, 1.1])
 def test_a_robot_that_would_lean_too_far_is_not_said_to_stand_so(share):
     high = share * np.tan(UPRIGHT) * np.hypot(0.1, 0.1)  # over the other corner

@@ -7,7 +7,12 @@ import shutil
 import pytest
 
 from sim.cli import main
+from sim.errors import UsageError
+from sim.sweeps import sweeping
+from sim.sweeps.file import read_sweep
+from sim.sweeps.folder import Shard
 from sim.sweeps.ledger import LENGTH, _sealed
+from sim.sweeps.sweeping import points_of
 from tests.commands import forbidden
 from tests.sweeps import walked_here, write_sweep
 
@@ -68,6 +73,20 @@ def test_versions_that_are_no_texts_are_not_merged(again, capsys, mujoco):
     (folder / "sweep.json").write_text(json.dumps(about))
     assert main(["merge", str(folder)]) == 2
     assert "sweep.json; choose another folder" in capsys.readouterr().err
+
+
+def test_a_sweep_that_takes_too_long_to_check_has_fewer_points(tmp_path, monkeypatch):
+    file = write_sweep(
+        tmp_path, "[grid]\nfriction = { from = 0.5, to = 1, count = 30 }\n"
+    )
+    sweep = read_sweep(file)
+    assert len(points_of(sweep, Shard()).tables) == 30
+    monkeypatch.setattr(sweeping, "SURE", 0.0)
+    monkeypatch.setattr(sweeping, "MOST_TIME", 1e-3)  # a point takes 0.2 ms or more
+    with pytest.raises(UsageError, match=r"30 points: .* sweeps of at most \d points"):
+        points_of(sweep, Shard())
+    monkeypatch.setattr(sweeping, "SURE", 100.0)
+    assert len(points_of(sweep, Shard()).tables) == 30
 
 
 def test_tables_and_folders_that_may_not_be_read_are_named_with_that_reason(again):
