@@ -3,16 +3,14 @@
 Several draws of an imperfect robot walk one after another, with a table of them.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, astuple, dataclass, fields, replace
 from functools import partial
 from pathlib import Path
 from statistics import median
-from typing import TYPE_CHECKING
 
+from models import Robot
 from planner import PlannerError
 from sim.commands import options as cli
 from sim.endings import again, command, keeping
@@ -27,9 +25,6 @@ from sim.progress import Progress, bar
 from sim.scenarios.predictions import PREDICTIONS, who_ignores
 from sim.scenarios.scenario import Scenario, drawn
 from sim.scenarios.settings import SETTINGS
-
-if TYPE_CHECKING:
-    from models import Robot
 
 TABLE = "tries.csv"
 RANDOM = ("imperfect", "zero_offset", "bumps", "dead_band_spread", "replan")
