@@ -10,9 +10,8 @@ import subprocess
 import sys
 import time
 from functools import cache
-from pathlib import Path
 
-from sim.errors import RenderError
+from sim.errors import ROOT, RenderError
 
 BACKENDS = ("egl", "osmesa")  # in the order they are tried
 OFF = ("disable", "disabled", "off", "false", "0")  # as MuJoCo spells it
@@ -22,7 +21,6 @@ INSTALL = "on Debian: apt-get install libegl1 libopengl0 libgl1-mesa-dri"
 SPEED = "speed"  # what a child process is asked to measure
 PICTURES = 10  # that it draws
 SPEED_LIMIT = 120.0  # [s]
-ROOT = Path(__file__).resolve().parents[2]
 
 
 def choose() -> None:
