@@ -143,20 +143,13 @@ def _half_counts(setup: Setup, width: Array) -> Array:
     return shift
 
 
-def rehearsal_of(setup: Setup) -> Rehearsal | Foreseen | None:
-    """What knows the torques of a walk beforehand; None where nobody asks."""
-    if not Drive(setup).rehearsed:
-        return None
-    predicted = setup.servo.feed_forward == "predicted"
-    return Foreseen(setup) if predicted else Rehearsal(setup)
-
-
 class Beforehand:
     """What commands depend on, stretch by stretch; too much torque is refused."""
 
     def __init__(self, setup: Setup, drive: Drive) -> None:
         self._drive = drive
-        self._rehearsal = rehearsal_of(setup)
+        known = Foreseen if setup.servo.feed_forward == "predicted" else Rehearsal
+        self._rehearsal = known(setup) if drive.rehearsed else None
         self._practice = Practice(setup) if drive.practises else None
 
     def feed_forward(self, schedule: Schedule) -> Allowed:

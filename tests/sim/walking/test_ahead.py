@@ -30,7 +30,7 @@ def test_every_stretch_has_the_torques_of_its_own_schedule_where_servos_are_soft
         return "torques of", schedule
 
     fake = SimpleNamespace(torques=torques)
-    monkeypatch.setattr(rehearsal, "rehearsal_of", lambda _: fake)
+    monkeypatch.setattr(rehearsal, "Rehearsal", lambda _: fake)
     monkeypatch.setattr(Drive, "require_strength", lambda *_: None)
     standing, walking = laid_out(prepare(load_scenario("line", SOFT)), PLAN)
     for stretch in (standing, walking):
@@ -38,8 +38,9 @@ def test_every_stretch_has_the_torques_of_its_own_schedule_where_servos_are_soft
         assert stretch.pose.tolist() == [0, 0, 0]
     assert walking.schedule.start == standing.schedule.stop > 0
     # stiff servos may be rehearsed for their strength, which changes no command
-    assert [stretch.torques for stretch in laid_out(setup, PLAN)] == [None, None]
-    monkeypatch.setattr(rehearsal, "rehearsal_of", lambda _: None)
+    with monkeypatch.context() as here:
+        here.setattr(Drive, "rehearsed", True)
+        assert [stretch.torques for stretch in laid_out(setup, PLAN)] == [None, None]
     soft = prepare(load_scenario("line", SOFT | {"feed_forward": False}))
     assert [stretch.torques for stretch in laid_out(soft, PLAN)] == [None, None]
 
