@@ -26,11 +26,6 @@ SMALL = (0.1, 0.2, 0.3, 0.4)  # [rad], sides of loops from angle 0
 CENTRED = 0.8  # [rad], side of the one around the middle
 
 
-def robot_panels() -> StratifiedPanels:
-    """Height functions of the robot `hexapod`."""
-    return stratified_panels(equations(load("hexapod")).system, STROKES)
-
-
 def loops() -> dict[str, tuple[float, float, float]]:
     """Lower corner of each loop that is walked and both its sides, by its walk."""
     small: Style = {f"panels-{side:g}": (0.0, side, RATIO * side) for side in SMALL}
@@ -70,7 +65,7 @@ def paper(axes: Mapping[str, Axes]) -> Shown:
 
 def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
     """Loops walked by the hexapod in the physics."""
-    panels, rows = robot_panels(), []
+    panels, rows = stratified_panels(equations(load("hexapod")).system, STROKES), []
     for panel, coordinate in (("a", "x"), ("b", "y")):
         _draw_height(axes[panel], panels, coordinate, 0.45, "mm")
         for loop in loops().values():

@@ -11,6 +11,8 @@ import pytest
 from matplotlib import rc_context
 from PIL import Image
 
+from models import equations, load
+from planner import stratified_panels
 from planner.errors import PlannerError, RangeError
 from sim.cli import main
 from sim.commands.declared import COMMANDS
@@ -201,7 +203,7 @@ def test_the_paper_s_corridor_is_hit_coarsely_and_cleared_finely():
 
 def test_loops_walk_as_far_as_the_area_between_their_strokes(walks):
     """In y within 2 %, but for the smallest, whose 0.25 mm are 14 um off: measured."""
-    made = panels.robot_panels()
+    made = stratified_panels(equations(load("hexapod")).system, panels.STROKES)
     for name, (low, first, second) in panels.loops().items():
         walked = walks["panels"][name]
         by_area = made.change("y", (low, low), (first, second))
