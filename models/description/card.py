@@ -17,7 +17,7 @@ from models.description.servos import (
     servo_of,
 )
 from models.errors import message
-from planner.support import unknown
+from planner.support import require_known
 
 # [s]; with slower lifts the slip at lift-off and touchdown no longer decreases
 LIFT_TIME = 0.3
@@ -180,8 +180,8 @@ class Card:
         self._check_groups()
         self._check_gait()
         self._check_patterns()
-        for joint in self.joint_servos.keys() - {*self.joints}:
-            raise ValueError(f"servo.{joint}: this joint {unknown(joint, self.joints)}")
+        for joint in self.joint_servos:
+            require_known(f"servo.{joint}: this joint", joint, self.joints)
         if not 0 <= (least := self.least_load) < 1 / 3:
             raise ValueError(message("least_load", given=least))
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from math import inf, isfinite, pi, radians
 from typing import Any, Literal
 
-from planner.support import did_you_mean, shipped_tables, unknown
+from planner.support import did_you_mean, require_known, shipped_tables
 
 # [s]; 52 and 63 ms were measured on an STS3215 and an XL-330 (github.com/Rhoban/bam),
 # 14 ms follow from 240 : 1 on a coreless rotor of 4e-9 kg m^2, as of an MG90S
@@ -252,8 +252,7 @@ def servo_of(name: str, given: Mapping[str, float] | None = None) -> ServoKind:
         ValueError: There is no such make, or a number is missing or impossible.
     """
     name, given = ALSO.get(name.lower(), name.lower()), given or {}
-    if name not in KNOWN_SERVOS:
-        raise ValueError(f"it {unknown(name, KNOWN_SERVOS)}")
+    require_known("it", name, KNOWN_SERVOS)
     if missing := [n for n in NEEDED if name in GENERIC and n not in given]:
         lacking = f"it has no {' and no '.join(missing)}"
         raise ValueError(f"{lacking}; give what its data sheet says")

@@ -12,7 +12,7 @@ from models.morphology.mjcf import (
     legs_on_a_circle,
     legs_towards_pivots,
 )
-from planner.support import shipped_tables, unknown
+from planner.support import require_known, shipped_tables
 
 Legs = Mapping[int, Leg]
 SIX, EIGHT = (1, 4, 5), (1, 4, 6, 7)  # legs of the first group
@@ -100,8 +100,7 @@ def reshaped(robot: str, geometry: Mapping[str, float]) -> Morphology:
     """The shape of a shipped robot with other numbers; ValueError where none is."""
     known = geometry_of(robot)
     for name, value in geometry.items():
-        if name not in known:
-            raise ValueError(f"geometry.{name} {unknown(name, known)}")
+        require_known(f"geometry.{name}", name, known)
         if not abs(value) <= (most := MOST_TIMES * abs(known[name])):
             raise ValueError(f"geometry.{name} = {value} is beyond {most:g}")
         if name in PLAIN and value <= 0:

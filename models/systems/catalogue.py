@@ -22,7 +22,7 @@ from models.systems.problem import Problem, Words
 from planner import PlannerError, StratifiedSystem
 from planner.execution import StanceRule
 from planner.planning import FlatOutputs
-from planner.support import read_file, read_text, unknown
+from planner.support import read_file, read_text, require_known, unknown
 from planner.systems import RESERVED, read_formula
 
 FOLDER = Path(__file__).parent  # with the shipped systems that are files
@@ -101,8 +101,7 @@ def shipped_system(name: str, values: Mapping[str, object] | None = None) -> Pro
 
 
 def _maker(name: str) -> Callable[..., Problem]:
-    if name not in SYSTEMS:
-        raise ProblemError(f"system {name!r} {unknown(name, SYSTEMS)}")
+    require_known(f"system {name!r}", name, SYSTEMS, ProblemError)
     return SYSTEMS[name]
 
 
@@ -211,8 +210,7 @@ def _language(
     """The state, and what reads formulas over it, with numbers for the parameters."""
     known = table.table("parameters").values
     for key in values:
-        if key not in known:
-            raise ValueError(f"parameter {key!r} {unknown(key, known)}")
+        require_known(f"parameter {key!r}", key, known)
     given = Table({**known, **values}, "parameters")
     state = tuple(sp.Symbol(name, real=True) for name in table.texts("state"))
     if (most := max(len(state), len(known))) > MOST_NAMES:
@@ -245,8 +243,7 @@ def _system(
         if not isinstance(rates, dict):
             raise ValueError(message("no_rates", what=what, rates=rates, name=names[0]))
         for name in rates:
-            if name not in names:
-                raise ValueError(f"{what} moves {name}, which {unknown(name, names)}")
+            require_known(f"{what} moves {name}, which", name, names)
         return [formula(what, rates.get(name, 0)) for name in names]
 
     strata = {

@@ -24,7 +24,7 @@ from planner import (
     planning,
 )
 from planner.execution import Coordinates, StanceRule
-from planner.support import unknown
+from planner.support import require_known
 from planner.systems import ShapeCoordinates, ShapeLimits
 
 OVERFLOWING = 1e100  # of a coordinate; derivatives at larger ones overflow
@@ -138,8 +138,7 @@ class Problem:
     @property
     def open_loop(self) -> Execution:
         """How plans are carried out that need not know where each segment ends."""
-        if self.words not in COORDINATES:
-            raise ValueError(f"words {self.words!r} {unknown(self.words, COORDINATES)}")
+        require_known(f"words {self.words!r}", self.words, COORDINATES)
         return Execution(
             stance=self.stance,
             limits=self.limits,
@@ -165,8 +164,7 @@ def configuration(
     names = [str(symbol) for symbol in system.state]
     state = np.zeros(len(names)) if otherwise is None else otherwise.copy()
     for name, value in given.items():
-        if name not in names:
-            raise ValueError(f"{what} has {name}, which {unknown(name, names)}")
+        require_known(f"{what} has {name}, which", name, names)
         if not abs(value) < OVERFLOWING:
             remedy = f"give one below {OVERFLOWING}"
             raise ValueError(f"{what} has {name} = {value}; {remedy}")

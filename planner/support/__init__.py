@@ -9,6 +9,7 @@ from planner.errors import (
     did_you_mean as did_you_mean,
     installing as installing,
     point as point,
+    require_known as require_known,
     sentences as sentences,
     shipped_tables as shipped_tables,
     unknown as unknown,
