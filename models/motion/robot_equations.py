@@ -119,10 +119,9 @@ def _swings(kinematics: Kinematics, stratum: str) -> Iterator[Swing]:
     robot = kinematics.robot
     patterns = robot.card.patterns
     for i, group in enumerate(robot.groups):
-        if group not in stratum:
-            yield Swing(stratum, str(i + 1), _unit(robot, i), None)
-        elif not patterns:
-            twist = group_twist(kinematics, group)
+        stands = group in stratum
+        if not (stands and patterns):
+            twist = group_twist(kinematics, group) if stands else None
             yield Swing(stratum, str(i + 1), _unit(robot, i), twist)
     for name, pattern in patterns.items():
         if stratum in pattern.strata:
