@@ -163,10 +163,7 @@ class _Legs(NamedTuple):
         near = (np.abs(choices - stand.gains) < MOST_CHANGE) & (choices > 0)
         if not (fits := near.all(axis=1)).any():
             return stand
-        wanted, lead = (
-            choices[fits.argmax(), :, None],
-            int(stand.gains.round(9).argmax()),
-        )
+        wanted, lead = choices[fits.argmax(), :, None], stand.gains.round(9).argmax()
         pivot, lengths = stand.pivot, np.linalg.norm(self.arms, axis=1)[:, None]
         for _ in range(NEWTON_STEPS):  # on ratio - wanted * ratio of the leading leg
             away = self.hips - pivot
