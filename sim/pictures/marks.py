@@ -48,9 +48,11 @@ def marks(walk: Run, clock: Clock, frames: range) -> tuple[Mark, ...]:
     dash, width = DASH * walk.reach, NOMINAL.width * walk.reach
     nominal = dashes(walk.nominal[:, :2], dash, width)
     end, first, radius = walk.nominal[-1:, :2], [0], palette.GOAL * walk.reach
+    robot = Solids(walk.model, root_body(walk.model, walk.model_file))
+    covered = swept(robot, walk, clock) if walk.scenario.obstacles else join([])
     drawn = (
         Mark("contours of the floor", contours(walk), palette.RELIEF),
-        Mark("floor swept over", _covered(walk, clock), palette.SWEPT),
+        Mark("floor swept over", covered, palette.SWEPT),
         *_support(walk, clock, frames),
         *_footprints(walk, clock),
         Mark("goal", discs(end, first, radius), NOMINAL.colour),
@@ -127,14 +129,6 @@ def _contours_of(model: mujoco.MjModel, geom: int) -> Iterator[Array]:
     across = contour_generator(x, y, heights.reshape(rows, columns))
     for level in np.arange(1, LEVELS) / LEVELS:
         yield from map(np.asarray, across.lines(level))
-
-
-def _covered(walk: Run, clock: Clock) -> Drawing:
-    """The floor that the robot swept over beside obstacles, or nothing."""
-    if not walk.scenario.obstacles:
-        return join([])
-    robot = Solids(walk.model, root_body(walk.model, walk.model_file))
-    return swept(robot, walk, clock)
 
 
 def _path(walk: Run, clock: Clock, poses: Array, style: PathMark) -> Mark:
