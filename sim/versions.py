@@ -1,6 +1,7 @@
 """The versions of the software that produced a run's numbers."""
 
 import platform
+from collections.abc import Mapping
 from contextlib import suppress
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
@@ -11,13 +12,9 @@ PACKAGES = (
 )
 
 
-def versions() -> dict[str, str]:
-    """Versions of this package, of those that it computes with, and of Python."""
-    return dict(_found())
-
-
 @cache
-def _found() -> dict[str, str]:
+def versions() -> Mapping[str, str]:
+    """Versions of this package, of those that it computes with, and of Python."""
     found = dict.fromkeys(PACKAGES, "not installed")  # as in a checkout
     for name in PACKAGES:
         with suppress(PackageNotFoundError):

@@ -47,7 +47,7 @@ def files_of(scenario: Scenario) -> tuple[tuple[str, str], ...]:
 
 def software() -> dict[str, str]:
     """Versions that numbers depend on, the machine's architecture, our own code."""
-    return versions() | {"machine": platform.machine(), "code": _code()}
+    return {**versions(), "machine": platform.machine(), "code": _code()}
 
 
 def alike(*known: Mapping[str, str]) -> list[dict[str, str]]:
