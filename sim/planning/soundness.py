@@ -13,9 +13,8 @@ import numpy as np
 from planner import Array, Flow, Plan
 from planner.support import tick, unlimited
 from sim.errors import SimulationError
-from sim.motion.prediction import inspections
+from sim.motion.prediction import commanded, inspections
 from sim.motion.schedule import LegState, Schedule
-from sim.motion.stability import stability_margin
 from sim.preparation.scheduling import scheduled
 from sim.preparation.setup import Setup
 
@@ -47,14 +46,12 @@ def require_sound_flows(
 
 
 def _refuse_tipping(setup: Setup, schedule: Schedule, rows: Array) -> None:
-    phase = schedule.phase_of(rows)
-    planted = np.array([setup.robot.planted(p.stratum) for p in schedule.phases])
-    stance = setup.kinematics.stance(*schedule.angles(rows))
-    margin = stability_margin(stance.feet, planted[phase], stance.center_of_mass)
-    worst = int(margin.argmin())
-    if margin[worst] < TIPPING:
-        where = f"its margin on S{schedule.phases[phase[worst]].stratum} is predicted"
-        what = f"the plan tips the robot over: {where} as {1e3 * margin[worst]:.1f} mm"
+    found = commanded(schedule, rows, setup.kinematics)
+    worst = int(found.margin.argmin())
+    if (margin := found.margin[worst]) < TIPPING:
+        stratum = schedule.phases[found.phase[worst]].stratum
+        where = f"its margin on S{stratum} is predicted as {1e3 * margin:.1f} mm"
+        what = f"the plan tips the robot over: {where}"
         raise _refusal(what, setup, rows[worst])
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from sim.errors import SimulationError, StratawalkError, UsageError
+from sim.motion import prediction
 from sim.planning import soundness
 from sim.planning.open_loop import _count
 from sim.scenarios.body_path import ellipse
@@ -47,12 +48,12 @@ def test_counts_at_the_ends_of_the_range_are_reached_but_for_rounding(beyond, re
 @pytest.mark.parametrize(("margin", "tips"), [(-0.9e-6, False), (-1.1e-6, True)])
 def test_a_plan_tips_a_robot_over_that_lacks_a_micrometre(margin, tips, monkeypatch):
     monkeypatch.setattr(
-        soundness, "stability_margin", lambda *_: np.array([1.0, margin])
+        prediction, "stability_margin", lambda *_: np.array([1.0, margin])
     )
     monkeypatch.setattr(
         soundness, "_refusal", lambda what, *_: SimulationError(what, "", "")
     )
-    phase = SimpleNamespace(stratum="12")
+    phase = SimpleNamespace(stratum="12", planted=lambda robot: [True])
     schedule = SimpleNamespace(
         phases=[phase],
         angles=lambda rows: (0, 0),
@@ -60,8 +61,7 @@ def test_a_plan_tips_a_robot_over_that_lacks_a_micrometre(margin, tips, monkeypa
     )
     stance = SimpleNamespace(feet=None, center_of_mass=None)
     setup = SimpleNamespace(
-        robot=SimpleNamespace(planted=lambda on: [True]),
-        kinematics=SimpleNamespace(stance=lambda *_: stance),
+        kinematics=SimpleNamespace(robot=None, stance=lambda *_: stance)
     )
     if tips:
         with pytest.raises(StratawalkError, match="tips the robot over: .* S12"):
