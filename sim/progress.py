@@ -26,12 +26,6 @@ def silent(stage: str, fraction: float) -> None:
     """Show nothing."""
 
 
-def may_draw() -> bool:
-    """Whether standard error is a terminal that may show bars."""
-    plain = os.environ.get("NO_COLOR") or os.environ.get("TERM") == "dumb"
-    return sys.stderr.isatty() and not plain
-
-
 class Pace:
     """When a stage will end, by the pace of the later half of what is done.
 
@@ -110,7 +104,8 @@ def bar(quiet: bool = False) -> AbstractContextManager[Progress]:
     """A bar for each stage on standard error, or lines where it draws no bars."""
     if quiet:
         return nullcontext(silent)
-    return _bars() if may_draw() else _reminded()
+    plain = os.environ.get("NO_COLOR") or os.environ.get("TERM") == "dumb"
+    return _bars() if sys.stderr.isatty() and not plain else _reminded()
 
 
 @contextmanager
