@@ -133,7 +133,8 @@ def evaluate(
     setup, motion = walk.setup, walk.setup.motion
     cache = setup.walk_cache(shared)
     of_world = world_cache(setup.scenario, setup.robot, shared)
-    given = cache("commanded", partial(motions.commands_along, walk))
+    along = partial(motions.commands_along, walk)
+    given = cache("commanded", lambda: [[*along(part)] for part in walk.stretches])
     strata = {phase.stratum for phase in walk.phases if phase.kind == "swing"}
     asked: Collection[str] = setup.scenario.predictions or PREDICTIONS
     for name in (names := tuple(PREDICTIONS) if motion is None else OF_MOTIONS):

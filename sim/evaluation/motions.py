@@ -62,12 +62,8 @@ def _recorded(walk: Walk, stretch: Stretch) -> Array:
     return inside - schedule.start  # its last step is always among them
 
 
-def commands_along(walk: Walk) -> list[list[Commanded]]:
-    """The commands of each stretch at the moments recorded, in blocks."""
-    return [list(_commands(walk, stretch)) for stretch in walk.stretches]
-
-
-def _commands(walk: Walk, stretch: Stretch) -> Iterator[Commanded]:
+def commands_along(walk: Walk, stretch: Stretch) -> Iterator[Commanded]:
+    """The commands of a stretch at the moments recorded, in blocks."""
     local, schedule = _recorded(walk, stretch), stretch.schedule
     for rows in np.split(local, range(BLOCK, len(local), BLOCK)):
         if isinstance(schedule, Played):
