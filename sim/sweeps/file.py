@@ -71,11 +71,6 @@ class Sweep:
             values |= zip(keys, choices[place], strict=True)
         return {key: values[key] for key in self.keys}
 
-    @property
-    def named(self) -> frozenset[str]:
-        """Settings that it gives beside its scenario."""
-        return self.at(0).given
-
     def at(self, point: int) -> Scenario:
         """The scenario of a point."""
         place = f"point {point} of sweep {self.name!r}"

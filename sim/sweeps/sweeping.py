@@ -82,7 +82,7 @@ class Points:
 
         order = sorted(todo.values(), key=place)
         without = self.sweep.without
-        named = self.sweep.named
+        named = self.sweep.at(0).given  # which the sweep gives beside its scenario
         return [Task(self.digests[p], self.tables[p], without, named) for p in order]
 
     def rows(self, known: Mapping[str, Outcome]) -> Iterator[Row]:
