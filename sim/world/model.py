@@ -147,11 +147,8 @@ def _ctrl(spec: mujoco.MjSpec, robot: Robot) -> list[float]:
 
 def _act(spec: mujoco.MjSpec, robot: Robot) -> list[float]:
     """Activations that the robot's file says; servos of leg joints have none."""
-    own, none, act = (
-        robot.model.actuator,
-        mujoco.mjtDyn.mjDYN_NONE,
-        robot.start_data.act,
-    )
+    own, act = robot.model.actuator, robot.start_data.act
+    none = mujoco.mjtDyn.mjDYN_NONE
     late = [own(a.name) for a in spec.actuators if a.dyntype != none or a.plugin.active]
     return [float(x) for one in late for x in act[one.actadr[0] :][: one.actnum[0]]]
 
