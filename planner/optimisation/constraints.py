@@ -183,9 +183,8 @@ def _inequalities(
             found = inequality.expressions(stage, whole)
             parts += [part / unit + slack for part in found]
             kinds += [(place, number)] * len(found)
-    return ca.Function(
-        "inequalities", [begin, end, excess], [ca.vertcat(*parts)]
-    ), kinds
+    every = ca.vertcat(*parts)
+    return ca.Function("inequalities", [begin, end, excess], [every]), kinds
 
 
 def path_distance(task: Task, path: Path) -> tuple[Expression, list[int]]:
