@@ -121,10 +121,10 @@ def identify(options: argparse.Namespace) -> None:
 
 def fields(setup: Setup, progress: Progress) -> list[dict[str, Any]]:
     """Twists of every loaded field along its swing; nulls and a reason without."""
-    from sim.experiments.identification import MODELS, identify, twist_model
+    from sim.experiments.identification import identify, twist_model
 
     identified = identify(setup, progress)
-    others = {name: twist_model(setup, name) for name in MODELS if name != "identified"}
+    others = {name: twist_model(setup, name) for name in ("ideal", "quasi_static")}
     models: dict[str, TwistModel] = {**others, "identified": identified}
     found: list[dict[str, Any]] = []
     for name, field in identified.fields.items():

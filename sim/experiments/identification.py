@@ -6,7 +6,7 @@ pose of the body is read. A stroke back over the whole range of the joints confi
 field as far as it is predicted; what is missed of it tells which walks to trust it on.
 """
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Collection
 from dataclasses import replace
 from functools import lru_cache
 
@@ -235,23 +235,17 @@ def creep_floor(setup: Setup, duration: float) -> float:
     return after - begin + rate * (duration - stand)
 
 
-MODELS: Mapping[str, Callable[[Setup], models.TwistModel]] = {
-    "ideal": lambda setup: models.IdealTwists(setup.equations),
-    "quasi_static": lambda setup: models.QuasiStaticTwists(
-        setup.kinematics, setup.ground, setup.limits.swing_speed
-    ),
-    "identified": lambda setup: identify(  # obstacles would disturb the experiments
-        prepare(replace(setup.scenario, obstacles=()), setup.robot)
-        if setup.scenario.obstacles
-        else setup
-    ),
-}
-
-
-@lru_cache(maxsize=len(MODELS))
+@lru_cache(maxsize=3)
 def twist_model(setup: Setup, name: str) -> models.TwistModel:
     """A prediction's twist model, made when first asked for."""
-    return MODELS[name](setup)
+    if name == "ideal":
+        return models.IdealTwists(setup.equations)
+    if name == "quasi_static":
+        speed = setup.limits.swing_speed
+        return models.QuasiStaticTwists(setup.kinematics, setup.ground, speed)
+    if setup.scenario.obstacles:  # which would disturb the experiments
+        setup = prepare(replace(setup.scenario, obstacles=()), setup.robot)
+    return identify(setup)
 
 
 def follows_commands(setup: Setup, name: str, strata: Collection[str]) -> bool:
