@@ -179,11 +179,9 @@ class StratifiedSystem:
         for low, high in self.edges:
             near[low].append(high)
             near[high].append(low)
-
-        def fewest(stratum: str) -> int:
-            return -len(self.contacts[stratum])
-
-        return {s: tuple(sorted(near[s], key=fewest)) for s in near}
+        for others in near.values():
+            others.sort(key=lambda stratum: -len(self.contacts[stratum]))
+        return {stratum: tuple(others) for stratum, others in near.items()}
 
     def switches(self, start: str, goal: str) -> int:
         """Fewest lift-offs and touchdowns on a way from one stratum to another.

@@ -75,12 +75,9 @@ class Points:
 
         Otherwise the first points are spread over all, to tell how long the rest takes.
         """
-        todo = {d: p for p, d in self.digests.items() if d not in known}
-
-        def place(point: int) -> tuple[float, float]:
-            return GOLDEN * self.plans[point] % 1.0, GOLDEN * point % 1.0
-
-        order = sorted(todo.values(), key=place)
+        todo = {d: p for p, d in self.digests.items() if d not in known}.values()
+        place = {p: (GOLDEN * self.plans[p] % 1.0, GOLDEN * p % 1.0) for p in todo}
+        order = sorted(todo, key=place.__getitem__)
         without = self.sweep.without
         named = self.sweep.at(0).given  # which the sweep gives beside its scenario
         return [Task(self.digests[p], self.tables[p], without, named) for p in order]
