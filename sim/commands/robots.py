@@ -12,7 +12,6 @@ from models import (
     Draft,
     ModelError,
     Source,
-    TwistModel,
     draft_card,
     load,
     shipped_robots,
@@ -124,8 +123,8 @@ def fields(setup: Setup, progress: Progress) -> list[dict[str, Any]]:
     from sim.experiments.identification import identify, twist_model
 
     identified = identify(setup, progress)
-    others = {name: twist_model(setup, name) for name in ("ideal", "quasi_static")}
-    models: dict[str, TwistModel] = {**others, "identified": identified}
+    models = {name: twist_model(setup, name) for name in ("ideal", "quasi_static")}
+    models["identified"] = identified
     found: list[dict[str, Any]] = []
     for name, field in identified.fields.items():
         stratum, slip = field.stratum, field.slip
