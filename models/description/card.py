@@ -222,6 +222,8 @@ class Card:
                 raise ValueError(f"pattern {name}: there is no group {unknown}")
             if unknown := sorted(set(pattern.strata) - set(self.gait)):
                 raise ValueError(f"pattern {name}: the gait has no strata {unknown}")
+        if (count := sum(len(p.strata) for p in self.patterns.values())) > MOST_LEGS:
+            raise ValueError(f"patterns swing on {count} strata; {MOST_LEGS} at most")
 
     @property
     def joints(self) -> tuple[str, ...]:

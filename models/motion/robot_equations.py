@@ -103,9 +103,10 @@ def equations(robot: Robot, fields: Fields = "lifted") -> Equations:
     contacts = tuple((name, name) for name in card.strata)
     # a robot that rows in patterns on all feet is centred by stepping in between
     centred: StanceRule = "stepped" if card.patterns else "centred"
+    elements = _elements(robot, swings, fields)  # of which there are none for most
     return Equations(
         system=walking_system(robot.groups, contacts, swings, radius=kinematics.reach),
-        elements=_elements(robot, swings, fields),
+        elements=elements,
         twists={swing.name: swing.twist or STILL for swing in swings},
         swings={swing.name: swing.direction for swing in swings},
         stance="paper" if fields == "paper" else centred,

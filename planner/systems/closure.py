@@ -60,7 +60,7 @@ def involutive_closure(
     """
     if max_depth < 1:
         raise ValueError(f"depth is {max_depth}; at least 1 is needed")
-    span = _Span(state, np.asarray(at, dtype=float))
+    span = _Span(state, np.asarray(at, dtype=float), [*generators.values()])
     roots = newest = span.extend(generators.items())
     algebra = span.algebra(1, complete=not newest)
     while not (algebra.complete or algebra.depth == max_depth or span.full):
@@ -79,13 +79,16 @@ def involutive_closure(
 class _Span:
     """The span of fields, each a vector of its values around a configuration."""
 
-    def __init__(self, state: Symbols, at: Array) -> None:
+    def __init__(self, state: Symbols, at: Array, roots: list[VectorField]) -> None:
         spread = np.ones((PROBES, 1))
         spread[PROBES // 2 :, 0] = np.geomspace(1.0, NEAREST, PROBES - PROBES // 2)
         spread[0] = 0.0  # the configuration itself
         offsets = np.random.default_rng(0).uniform(-1.0, 1.0, (PROBES, at.size))
         self._evaluation = WeighedValues(state, at + spread * offsets)
         self._sound = np.ones(PROBES, dtype=bool)  # points where all fields are finite
+        # places where generators are large would drown the others
+        sizes = [np.abs(self._evaluation(root)).max(axis=1) for root in roots]
+        self._share = 1 / np.max(np.nan_to_num([*sizes, np.ones(PROBES)]), axis=0)
         self._directions = np.empty((PROBES * at.size, 0))
         self._columns = np.empty((at.size, 0))
         self._known: list[Named] = []
@@ -120,7 +123,8 @@ class _Span:
                 self._sound &= sound
                 rows = np.repeat(self._sound, len(self._columns))
                 self._directions, _ = np.linalg.qr(self._directions * rows[:, None])
-            if self._is_new(np.where(self._sound[:, None], values, 0.0).ravel()):
+            weighed = np.where(self._sound[:, None], values * self._share[:, None], 0.0)
+            if self._is_new(weighed.ravel()):
                 self._known.append((name, field))
                 self._columns = np.column_stack([self._columns, values[0]])
             if self.full:

@@ -182,7 +182,7 @@ def abouts(folder: Path) -> list[Path]:
 def missing_shard(folders: Iterable[Path]) -> str:
     """The first part I/N of a sweep that lacks its table where others have theirs."""
     names = "\n".join(path.name for at in folders for path in at.glob("table-*"))
-    found = [(int(i), int(n)) for i, n in WALKED.findall(names)]
+    found = {(int(i), int(n)) for i, n in WALKED.findall(names)}
     every = ((i, n) for n in sorted({n for _, n in found}) for i in range(1, n + 1))
     return next((f"{i}/{n}" for i, n in every if (i, n) not in found), "")
 

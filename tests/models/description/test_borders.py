@@ -67,6 +67,8 @@ REFUSED = [
     (CARD, {"legs": dict.fromkeys(range(1, 42), LEG)}, "41 legs; 40 are the most"),
     *((CARD, {n: dict.fromkeys(range(1, 1002), part)}, f"1001 {n}; 1000 are the most")
       for n, part in (("groups", GROUP), ("patterns", PATTERN))),
+    (CARD, {"patterns": {f"p{n}": PATTERN for n in range(41)}},
+     "patterns swing on 41 strata; 40 at most"),
     (CARD, {"gait": ("ab",)}, "gait ['ab'] does not close; it ends with the stratum"),
     (CARD, {"gait": ("ab", "a")}, "gait ['ab', 'a'] does not close"),
     (CARD, {"gait": ("ab", "c", "ab")}, "gait: stratum 'c' stands on group 'c', which"),

@@ -135,11 +135,13 @@ def smooth(state, at, **fields):
 
 
 Z = sp.Symbol("z")
-AWAY = [  # fields that are undefined, or zero, between -1 and 1
+AWAY = [  # fields that are undefined, zero or huge between -1 and 1
+    *(((X, Y, Z), (0, 0, 0), {"a": [sp.exp(size * Z), sp.sin(Z), 0], "b": [0, 0, 1]})
+      for size in (100, 1000)),
     ((X, Y), (6, 0), {"a": [sp.sqrt(X - 5), 0], "b": [0, 1]}),
     ((X, Y, Z), (4, 0, 0), {"a": [1, 0, 0], "b": [0, 1, sp.log(X - 3)]}),
     ((X, Y), (3, 0), {"a": [1, 0], "b": [0, sp.sqrt((X - 2) ** 2) + X - 2]}),
-]
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("state", "at", "fields"), AWAY)

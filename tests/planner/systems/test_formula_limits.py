@@ -93,7 +93,7 @@ def test_an_algebra_has_150_fields_or_50000_operations_at_most(known, operations
 def test_fields_are_compared_in_eighty_places_from_a_thousandth_to_one_away():
     """As many fields are told apart as half the numbers that are compared."""
     at = np.full(200, pi)
-    search = _Span(sp.symbols("x:200"), at)
+    search = _Span(sp.symbols("x:200"), at, [])
     away = np.abs(search._evaluation.points - at).max(axis=1)
     assert len(away) == 80
     assert away[0] == 0
