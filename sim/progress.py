@@ -26,6 +26,14 @@ def silent(stage: str, fraction: float) -> None:
     """Show nothing."""
 
 
+def say(line: str) -> None:
+    """Print a line on standard error; where that cannot be, no work is given up."""
+    try:
+        print(line, file=sys.stderr, flush=True)
+    except OSError:  # a full disk, or a reader that left
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
+
+
 class Pace:
     """When a stage will end, by the pace of the later half of what is done.
 
@@ -81,7 +89,7 @@ class Lines:
         self._told = now
         about = pace.left(now) or f"{now - pace.began:.0f} s so far"
         part = f" {pace.fraction:4.0%}" if pace.fraction else ""
-        print(f"{self._stage}{part}, {about}", file=sys.stderr, flush=True)
+        say(f"{self._stage}{part}, {about}")
 
 
 @contextmanager

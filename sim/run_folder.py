@@ -46,7 +46,7 @@ class Writer:
 
     def __init__(self, folder: RunFolder) -> None:
         self.folder = folder
-        self.settings, self.copies = "", list[str]()  # of the robot's files
+        self.settings, self.copies = "", set[str]()  # names of files beside the results
 
     def prepared(self, prepared: Prepared) -> None:
         """Everything that the run depends on; the folder can be run again anywhere."""
@@ -60,9 +60,10 @@ class Writer:
         if setup.motion is not None:
             card[MOTION] = written(setup.motion.log).encode()
             scenario = replace(scenario, motion=MOTION)
-        for name, content in (setup.world.files | card | copies).items():
+        files = setup.world.files | card | copies
+        for name, content in files.items():
             self.folder.write_bytes(name, content)
-        self.copies = [*setup.world.files, *copies]
+        self.copies = files.keys() - {CARD}
         self.settings = dumps(setup.resolved(scenario, robot))
         self.folder.write_text("scenario.toml", self.settings)
 
@@ -89,6 +90,7 @@ class Writer:
             self.folder.write_text("feedback.csv", feedback_table(followed.stops))
             if learnt := followed.learnt:
                 self.folder.write_text("learnt.toml", str(learnt))
+                self.copies.add("learnt.toml")
         tables = run.settings, parse_toml(run.card_text), run.summary.to_json()
         own = seals(run.folder, *tables, copies=self.copies)
         run = replace(run, summary=replace(run.summary, seals=own))

@@ -18,7 +18,7 @@ from planner.planning.algorithm import Plan
 from planner.support.files import read_file, whole_file
 from planner.systems.fields import NumericField
 from planner.systems.flows import Flow, Gait
-from planner.systems.formulas import read_formula, write_formula
+from planner.systems.formulas import HUGE, read_formula, write_formula
 from planner.systems.strata import StratifiedSystem
 
 Table = Mapping[str, Any]
@@ -130,7 +130,7 @@ def load_plan(path: Path | str) -> Plan:
             system=system,
             elements=tuple(table["elements"]),
             basis=tuple(table["basis"]),
-            flows=tuple(Flow(s, f, float(t)) for s, f, t in table["flows"]),
+            flows=tuple(Flow(s, f, _duration(t)) for s, f, t in table["flows"]),
             segment_ends=tuple(map(index, table["segment_ends"])),
             inputs=np.array(table["inputs"]),
             hall_coordinates=np.array(table["hall_coordinates"]),
@@ -141,6 +141,14 @@ def load_plan(path: Path | str) -> Plan:
         )
     except WRONG as error:
         raise ValueError(f"{path} is damaged: {error}; save the plan again") from None
+
+
+def _duration(given: object) -> float:
+    if isinstance(given, bool) or not isinstance(given, int | float):
+        raise ValueError(f"a flow lasts {str(given)[:40]!r}")
+    if not abs(given) < HUGE:
+        raise ValueError(f"a flow lasts {given:g}")
+    return float(given)
 
 
 def _require_few(flows: Sequence[object]) -> None:

@@ -147,10 +147,12 @@ def _calibrated(
         rate, assumed = kind.command_rate, clock or description.BOARD_CLOCK
         divider = card.board_divider or pulse * description.board_divider(rate, assumed)
         for joint, servo in _found(robot, kind, known, divider, ask):
-            text = card_with(read_text(file), known | {joint: servo}, clock, divider)
+            text = read_text(file)  # in which an owner may have written meanwhile
+            there = description.parse_card(text, str(file)).joint_servos
+            servos = {**there, joint: servo}
             with whole(file) as part:
-                part.write_text(text, "utf-8")
-            known[joint] = servo
+                part.write_text(card_with(text, servos, clock, divider), "utf-8")
+            known = servos
     out = [] if folder.path == Path(OUT) else ["--out", folder.path]
     check = command("calibrate", robot.path, "--check", *out)
     return {"card": f"{file}, {len(known)} servos", "next": check}

@@ -4,7 +4,6 @@ import argparse
 import json
 import os
 import re
-import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from functools import partial
@@ -16,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from sim.commands.declared import GUESSES
 from sim.endings import again, keeping, kept_work
 from sim.errors import ExitCode, SimulationError, UsageError, one_line, printable
-from sim.progress import bar, stage
+from sim.progress import bar, say, stage
 from sim.scenarios.settings import SETTINGS
 
 if TYPE_CHECKING:
@@ -206,11 +205,7 @@ def working(options: argparse.Namespace, on: str) -> Iterator[None]:
 
 def notice(text: str, kind: str = "notice") -> None:
     """Print what a user should know on standard error."""
-    line = printable(" ".join(text.split()))
-    try:
-        print(f"stratawalk: {kind}: {line}", file=sys.stderr)
-    except OSError:  # no work is given up because of what cannot be said
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
+    say(f"stratawalk: {kind}: {printable(' '.join(text.split()))}")
 
 
 def ended(code: ExitCode, how: str, where: str, remedy: str) -> ExitCode:

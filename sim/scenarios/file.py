@@ -1,6 +1,5 @@
 """Scenarios as TOML files: reading them by name or path, and writing them whole."""
 
-import sys
 from collections.abc import Iterable, Mapping
 from copy import deepcopy
 from functools import cache
@@ -13,6 +12,7 @@ from models.description import parse_toml, toml_key, toml_text
 from planner.support import did_you_mean, placed, read_text
 from sim.endings import command
 from sim.errors import UsageError, telling
+from sim.progress import say
 from sim.scenarios import body_path as nominal, obstacles as shapes
 from sim.scenarios.body_path import START
 from sim.scenarios.declaration import Table
@@ -239,7 +239,7 @@ def _renamed(table: Table, where: str) -> Values:
 @cache
 def announce(old: str, new: str) -> None:
     """Print the present name of a setting, once."""
-    print(f"stratawalk: notice: {old} is now called {new}", file=sys.stderr)
+    say(f"stratawalk: notice: {old} is now called {new}")
 
 
 def toml_value(value: object) -> str:

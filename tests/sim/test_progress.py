@@ -6,6 +6,7 @@ import subprocess
 import sys
 import threading
 import time
+from types import SimpleNamespace
 
 import pytest
 
@@ -49,6 +50,22 @@ def drawn(**environment):
     os.close(master)
     assert process.returncode == 0
     return said
+
+
+@pytest.mark.parametrize("error", [BrokenPipeError, OSError])
+def test_a_line_that_cannot_be_said_ends_no_work(error, monkeypatch):
+    """It ended sweeps of which someone saw the first lines alone, with 0."""
+
+    def write(text):
+        raise error
+
+    now, silenced = iter([0.0, 0.0, 0.0, 16.0, 16.0]), []
+    monkeypatch.setattr("sys.stderr", SimpleNamespace(write=write, flush=print))
+    monkeypatch.setattr("os.dup2", lambda _, number: silenced.append(number))
+    lines = Lines(lambda: next(now))
+    lines("walking", 0.1)
+    lines("walking", 0.2)
+    assert silenced == [2]
 
 
 def test_a_terminal_shows_a_bar_the_share_that_is_done_and_the_time_left():

@@ -67,12 +67,10 @@ def test_files_that_are_no_plans_are_refused(tmp_path, text, message):
         ({"flows": [["12", "g9", 1.0]]}, "field g9 is unknown"),
         ({"flows": [["12", "g1_1", 1.0]]}, "the field belongs to S1; save the plan ag"),
         ({"flows": [["9", "g1_1", 1.0]]}, "stratum '9', which is unknown"),
-        (
-            {"flows": [["1", "g1_1", float("nan")]]},
-            "flow .* is not finite",
-        ),
+        *(({"flows": [["1", "g1_1", time]]}, f"a flow lasts {said}; save the plan")
+          for time, said in [(float("nan"), "nan"), (1e100, "1e.100"), (True, "'True'"),
+                             ("1_0", "'1_0'"), (None, "'None'")]),
         ({"flows": [["1", "g1_1", 10**400]]}, "int too large to convert to float"),
-        ({"flows": [["1", "g1_1", "long"]]}, "could not convert string to float"),
         (
             {"segment_ends": [99]},
             "segment_ends do not ascend to the number of flows, ",
@@ -98,7 +96,7 @@ def test_files_that_are_no_plans_are_refused(tmp_path, text, message):
         ({"system": 5}, "is damaged: "),
         ({"system": {"state": ["x"], "bottom": "0", "strata": [1]}}, "is damaged: "),
     ],
-)
+)  # fmt: skip
 def test_plans_of_another_shape_are_refused(tmp_path, damage, message):
     path = tmp_path / "plan.json"
     save_plan(plan(hexapod(), line(np.zeros(5), [1, 1, 0, 0, 0]), 1, LIFTED), path)

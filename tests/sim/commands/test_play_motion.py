@@ -114,8 +114,12 @@ def test_the_example_is_played_twice_over(tmp_path, monkeypatch, capfd):
     assert "goal" not in summary
     assert summary["simulated_time"] == pytest.approx(0.5 + 3.2, abs=0.01)
     assert summary["achieved"]["pose"][0] == pytest.approx(0.036, abs=0.002)
-    text = (tmp_path / "runs" / "tripods-001" / "motion.csv").read_text()
-    assert len(text.splitlines()) == 162
+    motion = tmp_path / "runs" / "tripods-001" / "motion.csv"
+    assert len((text := motion.read_text()).splitlines()) == 162
+    motion.write_text(text.replace("0.05", "0.04"))
+    for command in ("fit", "sensitivities", "show"):  # which would speak of another one
+        assert main([command, str(motion.parent)]) == 2
+        assert "its files are of different walks" in capfd.readouterr().err
 
 
 def test_legs_that_throw_the_robot_are_predicted_without_an_error_of_ours(gait, capfd):

@@ -146,13 +146,14 @@ def test_work_that_stops_goes_on_with_what_is_kept(calibrate, capsys, monkeypatc
 
     def owner(question):
         if not asked:  # who edits the card meanwhile
-            card.write_text("# I\n" + card.read_text())
+            card.write_text(f"# I\n{card.read_text()}limits = [-0.3, 0.3]\n")
         asked.append(question)
         return answer(question)
 
     assert calibrate(owner, ROBOT) == 0
     assert not any("clock" in question for question in asked)
-    assert len(found()[0].joint_servos) == 12
+    servos = found()[0].joint_servos.values()
+    assert (len(servos), [*servos][0].limits) == (12, (-0.3, 0.3))
     assert "# I\n" in card.read_text()
 
 
