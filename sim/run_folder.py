@@ -37,7 +37,7 @@ from sim.walking.finished import Walk
 from sim.walking.walks import Walker
 from sim.world.model import origin
 
-MOTION = "motion.csv"  # what was played
+MOTION, LEARNT = "motion.csv", "learnt.toml"  # what was played, and learnt
 DENSE = 10  # compression of the commands; 7.6 was measured
 
 
@@ -56,14 +56,13 @@ class Writer:
     def setup(self, setup: Setup, scenario: Scenario) -> None:
         """Model, card, the robot as it was given, and the scenario, undivided."""
         robot, copies = origin(setup.robot)
-        card = {CARD: setup.robot.card_text.encode()}
+        files = {CARD: setup.robot.card_text.encode(), **setup.world.files, **copies}
         if setup.motion is not None:
-            card[MOTION] = written(setup.motion.log).encode()
+            files[MOTION] = written(setup.motion.log).encode()
             scenario = replace(scenario, motion=MOTION)
-        files = setup.world.files | card | copies
         for name, content in files.items():
             self.folder.write_bytes(name, content)
-        self.copies = files.keys() - {CARD}
+        self.copies = files.keys() - {CARD} | {LEARNT}
         self.settings = dumps(setup.resolved(scenario, robot))
         self.folder.write_text("scenario.toml", self.settings)
 
@@ -89,8 +88,7 @@ class Writer:
         if followed := evaluation.walk.followed:
             self.folder.write_text("feedback.csv", feedback_table(followed.stops))
             if learnt := followed.learnt:
-                self.folder.write_text("learnt.toml", str(learnt))
-                self.copies.add("learnt.toml")
+                self.folder.write_text(LEARNT, str(learnt))
         tables = run.settings, parse_toml(run.card_text), run.summary.to_json()
         own = seals(run.folder, *tables, copies=self.copies)
         run = replace(run, summary=replace(run.summary, seals=own))
