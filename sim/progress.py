@@ -26,12 +26,14 @@ def silent(stage: str, fraction: float) -> None:
     """Show nothing."""
 
 
-def say(line: str) -> None:
-    """Print a line on standard error; where that cannot be, no work is given up."""
+def say(line: str, number: int = 2) -> None:
+    """Print a line on standard error, or output; where nobody hears it, work goes on."""
     try:
-        print(line, file=sys.stderr, flush=True)
-    except OSError:  # a full disk, or a reader that left
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
+        print(line, file=sys.stdout if number == 1 else sys.stderr, flush=True)
+    except OSError as error:
+        if number == 1 and not isinstance(error, BrokenPipeError):
+            raise  # a full disk may lose no results
+        os.dup2(os.open(os.devnull, os.O_WRONLY), number)
 
 
 class Pace:

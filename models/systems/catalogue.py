@@ -23,7 +23,7 @@ from planner import PlannerError, StratifiedSystem
 from planner.execution import StanceRule
 from planner.planning import FlatOutputs
 from planner.support import read_file, read_text, require_known, unknown
-from planner.systems import RESERVED, read_formula
+from planner.systems import MOST_NAMES, RESERVED, read_formula
 
 FOLDER = Path(__file__).parent  # with the shipped systems that are files
 
@@ -117,7 +117,6 @@ OPTIONAL = (
     *("degree", "words", "flat", "hitches"),
     *("parameters", "limits", "level_sets", "metric", "lifts"),
 )
-MOST_NAMES = 100  # of coordinates, and of parameters
 FLAT = ("along", "across", "rate", "slope")
 Reader = Callable[[str, object], sp.Expr]
 

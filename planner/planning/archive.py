@@ -18,7 +18,7 @@ from planner.planning.algorithm import Plan
 from planner.support.files import read_file, whole_file
 from planner.systems.fields import NumericField
 from planner.systems.flows import Flow, Gait
-from planner.systems.formulas import HUGE, read_formula, write_formula
+from planner.systems.formulas import HUGE, MOST_NAMES, read_formula, write_formula
 from planner.systems.strata import StratifiedSystem
 
 Table = Mapping[str, Any]
@@ -56,6 +56,8 @@ def system_from(table: Table) -> StratifiedSystem:
         raise ValueError(f"system lacks {key!r}; it has {', '.join(table) or 'none'}")
     for key in sorted(table.keys() - needed - {"level_sets", "metric", "lifts"}):
         raise ValueError(f"system has the unknown key {key!r}")
+    if (count := len(table["state"])) > MOST_NAMES:
+        raise ValueError(f"a system of {count} coordinates; {MOST_NAMES} are the most")
     state = tuple(sp.Symbol(str(name), real=True) for name in table["state"])
 
     def read(formulas: Sequence[str]) -> tuple[sp.Expr, ...]:

@@ -13,7 +13,11 @@ from .flows import (
     merged as merged,
     merged_segments as merged_segments,
 )
-from .formulas import RESERVED as RESERVED, read_formula as read_formula
+from .formulas import (
+    MOST_NAMES as MOST_NAMES,
+    RESERVED as RESERVED,
+    read_formula as read_formula,
+)
 from .grouping import regroup as regroup
 from .level_sets import LevelSet as LevelSet
 from .shape import ShapeCoordinates as ShapeCoordinates, ShapeLimits as ShapeLimits

@@ -40,6 +40,7 @@ OPERATORS: Mapping[type, Callable[..., Any]] = {
 }  # fmt: skip
 UNREADABLE = SyntaxError, TypeError, ArithmeticError, RecursionError, MemoryError
 LONGEST_FORMULA = 10_000  # characters of one formula
+MOST_NAMES = 100  # coordinates, and parameters, of what is read
 MOST_FACTORS = 64  # in a term: each derivative makes a term of each factor
 ROOM = 200  # calls around a formula that is used later, beyond those where it is read
 INT64 = 2**63  # beyond the whole numbers that numpy takes

@@ -13,7 +13,7 @@ from sim.commands import options as cli
 from sim.endings import command, keeping
 from sim.errors import UsageError
 from sim.folder import blamed_on, claim, new_file, whole
-from sim.progress import bar
+from sim.progress import bar, say
 from sim.reports import comparison
 from sim.reports.tables import Table
 from sim.runs.run import Run, read_run
@@ -144,7 +144,7 @@ def figures(options: argparse.Namespace) -> None:
             for sheet in draw(folder, options.only, progress=progress):
                 facts[sheet.name] = sheet.caption
                 if not options.json:
-                    print(f"{sheet.name:26}{sheet.title}", flush=True)
+                    say(f"{sheet.name:26}{sheet.title}", 1)
     finally:
         folder.discard_if_empty()
     where = f"\n{'folder':26}{folder.path}\n{'captions and tables':26}figures.md in it"

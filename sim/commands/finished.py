@@ -82,11 +82,11 @@ def view(options: argparse.Namespace) -> None:
 
     require_loopback(options.host, options.public)
 
-    def started(address: str) -> None:
+    def started(address: str, once: str) -> None:
         port = urlsplit(address).port
         print(f"{address}\n\nCtrl-C ends it. From another machine, open it after:")
         print(f"  ssh -L {port}:localhost:{port} THIS-MACHINE", flush=True)
-        _open(address, options.browser)
+        _open(once, options.browser)
 
     try:
         serve(cli.run_of(options), options.host, options.port, options.speed, started)

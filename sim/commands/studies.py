@@ -16,7 +16,7 @@ from sim.commands import options as cli
 from sim.endings import again, command, keeping
 from sim.errors import ExitCode, UsageError
 from sim.folder import blamed_on, ensure_folder, new_file, whole
-from sim.progress import bar
+from sim.progress import bar, say
 from sim.scenarios.predictions import prediction_key
 from sim.studies import maps
 from sim.studies.designing import DIRECTIONS, count_designs, designs, tried
@@ -62,7 +62,7 @@ def sweep(options: argparse.Namespace) -> ExitCode:
         if first is None:
             first = done  # which count for no pace
             if not options.json:
-                print(f"{_points(count)}, {done} of them done before", flush=True)
+                say(f"{_points(count)}, {done} of them done before", 1)
         about = f"points, {done} of {count} done, {failed} failed"
         progress(about, (done - first) / max(count - first, 1))
 

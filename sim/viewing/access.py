@@ -125,6 +125,9 @@ class Access:
     token: str = field(default_factory=partial(token_urlsafe, 16))  # in the address
     cookie: str = field(default_factory=lambda: f"stratawalk-{token_hex(4)}")
 
+    # what opens the page once, for the command line of a browser, which others can read
+    tickets: set[str] = field(default_factory=lambda: {token_urlsafe(16)})
+
     def refusal(self, headers: Headers, path: str) -> str:
         """Why a request is not answered; empty if it is."""
         hosts, origins = headers.get_all("Host"), headers.get_all("Origin")
@@ -138,7 +141,10 @@ class Access:
             for pair in line.split(";")
         ]
         token, given = self.token.encode(), [*given, *_tokens(path)]
-        if not any(compare_digest(t.encode(errors="replace"), token) for t in given):
+        used = self.tickets.intersection(given)
+        self.tickets.difference_update(used)
+        known = (compare_digest(t.encode(errors="replace"), token) for t in given)
+        if not (used or any(known)):
             return "open the address that stratawalk view printed"
         return ""
 

@@ -7,10 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import redirect_stdout
+from functools import partial
 from html import escape
 from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING
+from unittest.mock import patch
 
 import mujoco
 import numpy as np
@@ -57,10 +59,13 @@ def write_replay(
 def _page(walk: Run, progress: Callable[[float], None]) -> str:
     try:
         import viser
+        from websockets.asyncio import server as sockets
     except ImportError as error:
         how = installing("replay")
         raise UsageError("no replay without viser", "replay", how) from error
-    with redirect_stdout(StringIO()):  # it tells of a server that nobody needs
+    closed = partial(sockets.serve, start_serving=False)  # nobody is to be answered
+    # it tells of a server that nobody needs
+    with redirect_stdout(StringIO()), patch.object(sockets, "serve", closed):
         server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
         try:
             return _recorded(server, walk, progress)

@@ -9,6 +9,7 @@ import logging
 import socket
 from collections.abc import Callable
 from copy import copy
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 from unittest.mock import patch
@@ -41,9 +42,9 @@ def require_loopback(host: str, public: bool) -> None:
 
 
 def serve(
-    folder: Path, host: str, port: int, speed: float, started: Callable[[str], object]
+    folder: Path, host: str, port: int, speed: float, started: Callable[..., object]
 ) -> None:
-    """Show a run until interrupted; `started` is called with the page's address."""
+    """Show a run until interrupted; `started` has its address, and one to use once."""
     with blamed_on(folder):
         walk = read_run(folder).in_world()
         model = looked_through(walk)
@@ -53,8 +54,9 @@ def serve(
     name = "localhost" if local else socket.gethostname()  # which browsers trust
     if not local and host not in EVERYWHERE:
         name = f"[{host}]" if ":" in host else host
-    page = f"http://{name}:{bound.getsockname()[1]}/?token={access.token}"
-    handle = _launch(walk, model, playback, bound, access, lambda: started(page))
+    page = f"http://{name}:{bound.getsockname()[1]}/?token="
+    begun = partial(started, *(page + t for t in (access.token, *access.tickets)))
+    handle = _launch(walk, model, playback, bound, access, begun)
     with handle:
         handle.set_model(model)
         while handle.is_running():

@@ -94,6 +94,8 @@ def test_files_that_are_no_plans_are_refused(tmp_path, text, message):
         ({"depart": "9"}, "stratum '9' is unknown; there are 12, 1, 2"),
         ({"depart": 9}, "is damaged: "),
         ({"system": 5}, "is damaged: "),
+        ({"system": {"state": ["x"] * 101, "bottom": "0", "strata": {}}},
+         "a system of 101 coordinates; 100 are the most"),
         ({"system": {"state": ["x"], "bottom": "0", "strata": [1]}}, "is damaged: "),
     ],
 )  # fmt: skip

@@ -1,13 +1,15 @@
 """A sweep's folder is changed by one process at a time, which says what it has kept."""
 
+import os
 import shutil
+import subprocess
 from contextlib import redirect_stdout
 
 import pytest
 
 from sim.cli import main
 from sim.sweeps.folder import sole_owner
-from tests.commands import told
+from tests.commands import COMMAND, told
 from tests.sweeps import walked_here, write_sweep
 
 pytestmark = pytest.mark.physics
@@ -31,6 +33,17 @@ def test_a_full_disk_under_the_last_words_leaves_the_way_to_them(swept, capsys):
     (line,) = told(capsys.readouterr().err)
     assert "No space left on device: standard output; free some space; " in line
     assert line.endswith(f"kept in {folder}; go on: stratawalk {' '.join(words)}")
+
+
+@pytest.mark.parametrize("stream", ["stdout", "stderr"])
+def test_a_sweep_is_walked_to_its_end_where_nobody_reads_on(swept, tmp_path, stream):
+    read, written = os.pipe()
+    os.close(read)
+    words = ["sweep", swept[0], "--out", tmp_path / "out"]
+    done = subprocess.run([*COMMAND, *words], check=False, **{stream: written})
+    os.close(written)
+    assert done.returncode == 0
+    assert (tmp_path / "out" / "table.parquet").is_file()
 
 
 def test_nothing_is_merged_where_a_sweep_is_being_walked(swept, capsys):

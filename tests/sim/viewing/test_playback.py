@@ -1,5 +1,6 @@
 """A recorded walk played back: its moments, its forces and the marks in its scene."""
 
+import socket
 from types import SimpleNamespace
 from unittest import mock
 
@@ -223,6 +224,16 @@ def test_an_interruption_that_a_library_loses_leaves_no_replay(folder, monkeypat
     finally:
         forget_interruption()
     assert not (folder / replay.NAME).exists()
+
+
+def test_nobody_can_speak_to_what_writes_a_replay(recorded, monkeypatch):
+    def recording(server, walk, progress):
+        with pytest.raises(ConnectionRefusedError):
+            socket.create_connection(("127.0.0.1", server.get_port()))
+        return "a page"
+
+    monkeypatch.setattr(replay, "_recorded", recording)
+    assert replay._page(recorded, lambda part: None) == "a page"
 
 
 def test_a_client_that_asks_for_threads_gets_none(recorded, model, monkeypatch):
