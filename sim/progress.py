@@ -27,7 +27,7 @@ def silent(stage: str, fraction: float) -> None:
 
 
 def say(line: str, number: int = 2) -> None:
-    """Print a line on standard error, or output; where nobody hears it, work goes on."""
+    """Print a line on standard error, or output; work goes on where nobody hears it."""
     try:
         print(line, file=sys.stdout if number == 1 else sys.stderr, flush=True)
     except OSError as error:

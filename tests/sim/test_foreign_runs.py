@@ -197,6 +197,9 @@ def test_a_summary_of_what_cannot_be_is_refused(
         ("phase", lambda rows: rows - 1, "a row of a phase not in flows.csv"),
         ("phase", lambda rows: rows * 1.0, "a row of a phase not in flows.csv"),
         ("time", lambda rows: rows[::-1], "are not in time's order"),
+        ("time", lambda rows: rows * 1e-3, "has not the times of flows.csv"),
+        ("time", lambda rows: rows + 1.0, "has not the times of flows.csv"),
+        ("time", lambda rows: [*rows[:-1], rows[-1] - 5e-3], "has not the times of"),
     ],
 )
 def test_rows_that_no_walk_has_are_refused(folder, name, change, said):
