@@ -85,7 +85,7 @@ def scenario(folder: Path, rng: random.Random) -> list[str]:
 def robot(folder: Path, rng: random.Random, spoilt: str) -> list[str]:
     """A shipped robot, one of whose files is mutated."""
     for name in ("hexapod.xml", "hexapod.toml", "scene.xml"):
-        text = _read("models", "robots", name)
+        text = _read("models", "robots", name) + TEXTS["card"] * name.endswith(".toml")
         text = mutated(text, rng) if name == spoilt else text
         write(folder / name.replace("hexapod", "mine"), text)
     return [rng.choice(("robots", "check")), "mine.xml"]
