@@ -274,6 +274,8 @@ def read_run(folder: Path, *, inspected: bool = False) -> Run:
         _ = run.obstacles  # which say in time what is wrong, as the path does
         if (far := np.abs(run.nominal[:, :2]).max()) > PICTURED:
             raise ValueError(f"its path leads {far:.3g} m away")
+        if lacks := {"time", "ctrl"}.difference(run.commands):
+            raise KeyError(f"{min(lacks)} in commands.npz")
         if not inspected:
             about = description.parse_toml(card)
             run.require_sealed(seals(run.folder, run.settings, about, summary))
@@ -287,8 +289,10 @@ def read_run(folder: Path, *, inspected: bool = False) -> Run:
             late, last = run.time - end, run.phases[-1].end - run.time[-1]
             if max((start - run.time).max(), late.max(), last) > MOMENT:
                 raise ValueError("trajectory.npz has not the times of flows.csv")
-        if lacks := {"time", "ctrl"}.difference(run.commands):
-            raise KeyError(f"{min(lacks)} in commands.npz")
+            told, step = run.commands["time"], run.scenario.timestep
+            off = np.append(told, run.phases[-1].end) - np.arange(len(told) + 1) * step
+            if np.abs(off).max() > MOMENT:
+                raise ValueError("commands.npz has not the times of flows.csv")
         weighed = run.summary.weighed
         if weighed and weighed.prediction not in [*run.predicted]:
             raise ValueError(f"unknown prediction {weighed.prediction!r}")

@@ -200,13 +200,15 @@ def test_a_summary_of_what_cannot_be_is_refused(
         ("time", lambda rows: rows * 1e-3, "has not the times of flows.csv"),
         ("time", lambda rows: rows + 1.0, "has not the times of flows.csv"),
         ("time", lambda rows: [*rows[:-1], rows[-1] - 5e-3], "has not the times of"),
+        ("time", lambda rows: rows * 1.01, "commands.npz has not the times of flows"),
     ],
 )
 def test_rows_that_no_walk_has_are_refused(folder, name, change, said):
     """Films index the phases by them, and search for moments."""
-    with np.load(folder / "trajectory.npz") as file:
+    path = folder / ("commands.npz" if "commands" in said else "trajectory.npz")
+    with np.load(path) as file:
         kept = dict(file)
-    np.savez(folder / "trajectory.npz", **kept | {name: change(kept[name])})
+    np.savez(path, **kept | {name: change(kept[name])})
     sealed(folder)
     with pytest.raises(UsageError, match=said):
         read_run(folder)
@@ -231,9 +233,8 @@ def test_angles_that_no_joint_turns_to_are_not_exported(folder, capsys, form):
     out = folder.parent / "out"
     words = ("export", str(folder), "--no-play", "--format", form, "--out", str(out))
     assert main(words) == 2
-    assert "joint 'swing_1' is commanded from 9e+08 to 9e+08 rad" in (
-        capsys.readouterr().err
-    )
+    said = "joint 'swing_1' is commanded from 9e+08 to 9e+08 rad"
+    assert said in capsys.readouterr().err
     assert not out.exists()
 
 
