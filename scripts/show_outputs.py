@@ -22,7 +22,7 @@ from tempfile import TemporaryDirectory
 from planner.support import whole_file
 from scripts.endings import ROOT
 from scripts.pages import parser_of
-from sim.scenarios.settings import SETTINGS
+from sim import Scenario
 
 BLOCK = re.compile(r"(?<=^```console\n).*?(?=^```$)", re.DOTALL | re.MULTILINE)
 SETTINGS_TABLE = re.compile(
@@ -49,7 +49,7 @@ def shown_again(command: re.Match[str]) -> str:
 def settings_table() -> str:
     """Every setting of a scenario with its values, default, meaning and effects."""
     rows = ["setting | values | default | meaning | affects", " | ".join(["---"] * 5)]
-    for name, item in SETTINGS.items():
+    for name, item in Scenario.declarations().items():
         given = item.default is not None and item.default is not MISSING
         default = f"`{json.dumps(item.default)}`" if given else ""
         parts = ", ".join(sorted(item.affects)) + " *" * item.imperfection

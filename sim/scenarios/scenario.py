@@ -1,6 +1,6 @@
 """A scenario: which robot walks which nominal path, with which settings."""
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from math import pi, radians
 from typing import TYPE_CHECKING, Any, Self
@@ -10,7 +10,7 @@ import numpy as np
 from planner.support import did_you_mean
 from sim.errors import UsageError
 from sim.scenarios.body_path import NominalPath
-from sim.scenarios.declaration import Effect, accept
+from sim.scenarios.declaration import Effect, Setting, accept
 from sim.scenarios.obstacles import Obstacle
 from sim.scenarios.predictions import COMPLIANT, imperfect, known_of, prediction_key
 from sim.scenarios.settings import IMPERFECTIONS, SETTINGS, Settings
@@ -101,6 +101,11 @@ class Scenario(Settings):
             return self
         kept = {name: getattr(self, name) for name in known_of(self)}
         return replace(self.as_planned, **kept)
+
+    @staticmethod
+    def declarations() -> Mapping[str, Setting]:
+        """What is declared about every setting, by its name."""
+        return SETTINGS
 
     def key(self, *effects: Effect) -> Hashable:
         """All in it that has some effects, such as `world`, to compare scenarios by."""
