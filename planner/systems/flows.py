@@ -6,7 +6,6 @@ flows as eq. (12) does; the series of eq. (2) is `lie.tensor.Tensor.exp`. A gait
 closed walk in the graph of strata, possibly through some on which nothing flows.
 """
 
-import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain, groupby, pairwise, zip_longest
@@ -18,6 +17,7 @@ import numpy as np
 from planner.errors import StratumError, message, require_known
 from planner.numerics.arrays import Array
 from planner.numerics.collocation import STEP_NODES, follow, follow_all
+from planner.systems.formulas import HUGE
 from planner.systems.strata import StratifiedSystem
 
 MOST_VISITS = 1000  # of a gait to its strata
@@ -55,9 +55,9 @@ def require_flows(system: StratifiedSystem, flows: Sequence[Flow]) -> None:
         if (owner := system.stratum_of[field]) != stratum:
             facts = {"field": field, "stratum": stratum, "owner": owner}
             raise ValueError(message("foreign_flow", **facts))
-    if not all(map(math.isfinite, map(itemgetter(2), flows))):
-        flow = next(flow for flow in flows if not math.isfinite(flow.duration))
-        raise ValueError(f"the duration of flow {flow} is not finite")
+    if not all(map(HUGE.__gt__, map(abs, map(itemgetter(2), flows)))):
+        flow = next(flow for flow in flows if not abs(flow.duration) < HUGE)
+        raise ValueError(f"the duration of flow {flow} is not below {HUGE:g}")
 
 
 def merged(flows: Iterable[Flow]) -> tuple[Flow, ...]:

@@ -148,8 +148,10 @@ def _calibrated(
         divider = card.board_divider or pulse * description.board_divider(rate, assumed)
         for joint, servo in _found(robot, kind, known, divider, ask):
             text = read_text(file)  # in which an owner may have written meanwhile
-            there = description.parse_card(text, str(file)).joint_servos
-            servos = {**there, joint: servo}
+            there = description.parse_card(text, str(file))
+            servos = {**there.joint_servos, joint: servo}
+            if "clock" in description.parse_toml(text).get("board", {}):
+                clock = there.board_clock
             with whole(file) as part:
                 part.write_text(card_with(text, servos, clock, divider), "utf-8")
             known = servos

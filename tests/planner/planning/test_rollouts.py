@@ -49,7 +49,8 @@ def test_flows_back_and_forth_return():
         (Flow("1", "g1_9", 1.0), 5, "field g1_9 is unknown; did you mean 'g1_"),
         (Flow("3", "g1_1", 1.0), 5, "flow on stratum '3', which is unknown; there are"),
         (Flow("2", "g1_1", 1.0), 5, "along g1_1 on S2; the field belongs to S1"),
-        (Flow("1", "g1_1", np.nan), 5, "duration of flow S1: .nan g1_1 is not f"),
+        (Flow("1", "g1_1", np.nan), 5, "duration of flow S1: .nan g1_1 is not b"),
+        (Flow("1", "g1_1", -1e100), 5, "duration of flow S1: -1e.100 g1_1 is not b"),
         (
             Flow("1", "g1_1", 1.0),
             4,

@@ -182,7 +182,7 @@ def test_tripod_gait_is_a_closed_walk():
 @pytest.mark.parametrize(
     ("walk", "reason"),
     [
-        ((), "visits at least one stratum"),
+        ((), "visits 1 to 1000 strata"),
         (("12", "3", "12"), r"stratum '3' of gait S12 -> S3 -> S12 is unknown"),
         (("12", "1"), "does not close: it starts in S12 and ends in S1"),
         (("1", "2", "1"), "steps from S1 to S2, which are not neighbours.*of S1: S12"),

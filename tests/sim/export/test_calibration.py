@@ -146,14 +146,15 @@ def test_work_that_stops_goes_on_with_what_is_kept(calibrate, capsys, monkeypatc
 
     def owner(question):
         if not asked:  # who edits the card meanwhile
-            card.write_text(f"# I\n{card.read_text()}limits = [-0.3, 0.3]\n")
+            mine = re.sub(r"clock = \d+", "clock = 25800000", card.read_text())
+            card.write_text(f"# I\n{mine}limits = [-0.3, 0.3]\n")
         asked.append(question)
         return answer(question)
 
     assert calibrate(owner, ROBOT) == 0
     assert not any("clock" in question for question in asked)
-    servos = found()[0].joint_servos.values()
-    assert (len(servos), [*servos][0].limits) == (12, (-0.3, 0.3))
+    servos, clock = found()[0].joint_servos.values(), found()[0].board_clock
+    assert (len(servos), [*servos][0].limits, clock) == (12, (-0.3, 0.3), 25.8e6)
     assert "# I\n" in card.read_text()
 
 
