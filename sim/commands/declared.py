@@ -104,7 +104,7 @@ def _reader(kind: str | list[Any]) -> Callable[[str], Any]:
 def whole(text: str, least: int = 0, most: float = inf) -> int:
     """A whole number between two, or from one on."""
     try:
-        value = int(text)
+        value = int(text.replace("_", "?").encode("ascii"))
     except ValueError:
         value = least - 1
     if not least <= value <= most:
@@ -117,7 +117,7 @@ def whole(text: str, least: int = 0, most: float = inf) -> int:
 def real(text: str, what: str, example: float, zero: bool = False) -> float:
     """A positive number of no odd size; a refusal says what it is, with an example."""
     try:
-        value = float(text)
+        value = float(text.replace("_", "?").encode("ascii"))
     except ValueError:
         value = -1.0
     if not (SIZES[0] <= value <= SIZES[1] or (zero and value == 0)):

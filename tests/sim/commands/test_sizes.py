@@ -10,7 +10,8 @@ from sim.commands.declared import real, whole
 
 @pytest.mark.parametrize(
     ("text", "taken"), [("1e-6", True), ("0.9e-6", False), ("1e9", True),
-                        ("1.1e9", False), ("0", False), ("-1", False)],
+                        ("1.1e9", False), ("0", False), ("-1", False),
+                        ("1_0", False), ("١٢", False)],
 )  # fmt: skip
 def test_numbers_are_from_a_millionth_to_a_billion(text, taken):
     if taken:
@@ -24,8 +25,9 @@ def test_numbers_are_from_a_millionth_to_a_billion(text, taken):
 
 def test_whole_numbers_are_counted_from_zero():
     assert whole("0") == 0
-    with pytest.raises(argparse.ArgumentTypeError, match="0 or more"):
-        whole("-1")
+    for text in ("-1", "1_0", "١٢", "0x10"):
+        with pytest.raises(argparse.ArgumentTypeError, match="0 or more"):
+            whole(text)
 
 
 def test_a_system_that_takes_too_long_is_refused(tmp_path, monkeypatch, capsys):
