@@ -14,7 +14,7 @@ import numpy as np
 
 from models.contact.dissipation import foot_jacobians
 from models.contact.kinematics import Kinematics, Stance
-from models.description.actuators import actuator_of
+from models.description.actuators import actuators_driving
 from models.description.robot import Robot
 from models.errors import message
 from planner import Array
@@ -76,7 +76,7 @@ class Ground:
             spring = float((stiffness * impedance / data.efc_R[rows]).sum())
             springs.append((spring, float((damping / (stiffness * impedance)).mean())))
             frictions.append(float(np.mean([contact.friction[0] for contact in own])))
-        lifts = [actuator_of(model, joint) for joint in robot.lift_joints]
+        lifts = actuators_driving(model, robot.lift_joints)
         stiffnesses, pushes = np.transpose(springs)
         return cls(
             contact=1 / stiffnesses,

@@ -1,6 +1,7 @@
 from .actuators import (
     ON_JOINT as ON_JOINT,
     actuator_of as actuator_of,
+    actuators_driving as actuators_driving,
     actuators_of as actuators_of,
     is_position_servo as is_position_servo,
     position_servos_of as position_servos_of,

@@ -1,5 +1,7 @@
 """The actuators of a compiled model: which drive a joint, and how far they turn it."""
 
+from collections.abc import Iterable
+
 import mujoco
 import numpy as np
 
@@ -48,3 +50,8 @@ def actuator_of(model: mujoco.MjModel, joint: str) -> int:
     if not found:
         raise ModelError(f"no actuator drives joint {joint!r}: give it a servo")
     return found[0]
+
+
+def actuators_driving(model: mujoco.MjModel, joints: Iterable[str]) -> np.ndarray:
+    """These indices for several joints, shape (J,)."""
+    return np.array([actuator_of(model, joint) for joint in joints])

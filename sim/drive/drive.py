@@ -11,9 +11,10 @@ from math import ceil, floor
 import numpy as np
 
 from models import SERVO_KINDS
+from models.description import actuators_driving
 from planner import Array
 from planner.support import shipped_tables
-from sim.drive.feed_forward import FeedForward, carried_torque, leg_actuators
+from sim.drive.feed_forward import FeedForward, carried_torque
 from sim.drive.lift_counts import LiftCounts
 from sim.errors import SimulationError, UsageError
 from sim.logs.playing import Played
@@ -33,8 +34,8 @@ class Drive:
 
     def __init__(self, setup: Setup) -> None:
         self._setup, self._servo = setup, setup.servo
-        self._joints = leg_actuators(setup)
-        model = setup.model
+        model, joints = setup.model, setup.robot.card.joints
+        self._joints = actuators_driving(model, joints)
         self._stiffness = model.actuator_gainprm[self._joints, 0]
         self._damping = -model.actuator_biasprm[self._joints, 2]
         self._offset = zero_offsets(setup.scenario, len(self._joints))
@@ -42,9 +43,8 @@ class Drive:
         self._delay = round(scenario.command_delay / scenario.timestep)  # steps
         self._held: Array | None = None  # the command in force
         self._late: Array | None = None  # commands that have not reached the servos
-        joints, lifts = setup.robot.card.joints, setup.robot.lift_joints
         self._rest = np.array([setup.robot.standing_angle(j) for j in joints])
-        self._lifts = [joints.index(joint) for joint in lifts]  # legs ascending
+        self._lifts = [joints.index(joint) for joint in setup.robot.lift_joints]
         self._lift_counts = LiftCounts(setup.as_planned, self.feeds_forward)
 
     @property

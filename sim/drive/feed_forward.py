@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from models.description import actuator_of
+from models.description import actuators_driving
 from planner import Array
 from sim.preparation.setup import Setup
 from sim.world.model import suitable_integrator
@@ -49,7 +49,8 @@ def smoothed(values: Array, timestep: float) -> FeedForward:
 
 def stiffened(setup: Setup) -> mujoco.MjModel:
     """The model on very stiff, critically damped servos without a largest torque."""
-    model, joints = copy(setup.model), leg_actuators(setup)
+    model = copy(setup.model)
+    joints = actuators_driving(model, setup.robot.card.joints)
     stiffness = carried_torque(setup) / GIVES
     inertia = model.dof_M0[model.jnt_dofadr[model.actuator_trnid[joints, 0]]]
     model.actuator_gainprm[joints, 0] = stiffness
@@ -58,12 +59,6 @@ def stiffened(setup: Setup) -> mujoco.MjModel:
     model.actuator_forcelimited[joints] = 0
     model.opt.integrator = suitable_integrator(model)
     return model
-
-
-def leg_actuators(setup: Setup) -> Array:
-    """Actuators of all leg joints, shape (J,)."""
-    joints = setup.robot.card.joints
-    return np.array([actuator_of(setup.model, joint) for joint in joints])
 
 
 def carried_torque(setup: Setup) -> float:

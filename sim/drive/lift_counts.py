@@ -13,7 +13,7 @@ import mujoco
 import numpy as np
 
 from models.contact import static_loads
-from models.description import actuator_of
+from models.description import actuators_driving
 from planner import Array
 from sim.preparation.setup import Setup
 
@@ -107,7 +107,7 @@ class LiftCounts:
         key, setup = down.tobytes(), self.setup
         if key not in self._known:
             torque = lift_torques(setup, down[setup.robot.group_of_leg])
-            joints = [actuator_of(setup.model, j) for j in setup.robot.lift_joints]
+            joints = actuators_driving(setup.model, setup.robot.lift_joints)
             stiffness = setup.model.actuator_gainprm[joints, 0]
             self._known[key] = torque / (stiffness * setup.servo.resolution)
         return self._known[key]
@@ -127,6 +127,6 @@ def lift_torques(setup: Setup, down: Array) -> Array:
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
     mujoco.mj_forward(model, data)
-    joints = [actuator_of(model, joint) for joint in robot.lift_joints]
+    joints = actuators_driving(model, robot.lift_joints)
     places = model.jnt_dofadr[model.actuator_trnid[joints, 0]]
     return data.qfrc_bias[places] - loads * rise  # the first holds legs in the air

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from models.description import actuator_of
+from models.description import actuators_driving
 from planner import Array
 from sim.drive.drive import Drive
 from sim.drive.rehearsal import Beforehand
@@ -48,7 +48,7 @@ class ServedWalk:
         self.joints = tuple(setup.robot.card.joints)
         self.stops: list[Stop] = []
         self.scaled_down = 0
-        self._actuators = np.array([actuator_of(setup.model, j) for j in self.joints])
+        self._actuators = actuators_driving(setup.model, self.joints)
         self._drive = Drive(setup)
         self._drive.require_gentleness()
         self._beforehand = Beforehand(setup, self._drive)

@@ -15,8 +15,7 @@ import numpy as np
 import yaml
 
 from models import JointServo, Kinematics, Robot, load
-from models.description import actuator_of
-from planner import Array
+from models.description import actuators_driving
 from planner.support import read_text
 from sim.errors import UsageError
 from sim.evaluation.deviations import Scale, departure, off
@@ -60,11 +59,6 @@ class Source:
         return self.run.card.joints
 
     @property
-    def actuators(self) -> Array:
-        """Actuator of each joint, shape (J,)."""
-        return np.array([actuator_of(self.model, joint) for joint in self.joints])
-
-    @property
     def steps(self) -> int:
         """Number of physics steps."""
         return len(self.run.commands["time"])
@@ -80,7 +74,8 @@ class Source:
         Angles far beyond a joint's range, to which no servo leads it, are refused.
         """
         ctrl, asked = self.run.commands["ctrl"], self.servo.rate or rate
-        found = taken(ctrl, self.joints, self.actuators, asked, self.timestep)
+        drives = actuators_driving(self.model, self.joints)
+        found = taken(ctrl, self.joints, drives, asked, self.timestep)
         if len(found.angles) < 2:
             least = 1.01 / (self.steps * self.timestep)
             raise UsageError.of("too_slow", "--rate", rate=rate, least=least)

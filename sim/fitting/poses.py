@@ -9,7 +9,7 @@ from math import atan2, hypot
 
 import numpy as np
 
-from models.description import actuator_of
+from models.description import actuators_driving
 from planner import Array
 from sim.compliant.anatomy import Robots
 from sim.compliant.phases import Course, Phases
@@ -102,7 +102,7 @@ def log_of(run: Run) -> Log:
     """A walk as a log without noise; delay and zeros are its servos', not commanded."""
     rows, joints, scenario = run.walking, run.card.joints, run.scenario
     ctrl = run.ctrl_at(run.time[rows] + scenario.command_delay)
-    told = ctrl[:, [actuator_of(run.model, j) for j in joints]]
+    told = ctrl[:, actuators_driving(run.model, joints)]
     commanded = told - zero_offsets(scenario, len(joints))
     measured = turned(run.model, run.qpos[rows], joints, BACKLASH)
     time = run.time[rows] - run.time[rows][0]

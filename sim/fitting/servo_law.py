@@ -18,8 +18,8 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
+from models.description import actuators_driving
 from planner import Array
-from sim.drive.feed_forward import leg_actuators
 from sim.logs.log import Log
 from sim.physics.engine import STRETCH, Engine
 from sim.preparation.setup import Setup
@@ -130,7 +130,7 @@ def on_floor(setup: Setup, model: mujoco.MjModel, log: Log, servos: Array) -> Co
     What a joint bears is what its spring gives and neither its damping nor its inertia
     takes. Raises SimulationError where the simulation diverges.
     """
-    dt, actuators = model.opt.timestep, _servos(setup, log)
+    dt, actuators = model.opt.timestep, actuators_driving(setup.model, log.joints)
     ahead = round((GOING + SETTLING) / dt)
     time = np.arange(-ahead, round(log.duration / dt) + 1) * dt
     rest = model.key("start").ctrl[actuators]
@@ -165,7 +165,7 @@ def _asked(setup: Setup, log: Log, time: Array) -> Array:
 
 def known_servos(setup: Setup, log: Log) -> tuple[Array, Array]:
     """Stiffness and damping of the log's joints as the robot has them, (J,) each."""
-    model, servos = setup.as_planned.model, _servos(setup, log)
+    model, servos = setup.as_planned.model, actuators_driving(setup.model, log.joints)
     damping = model.dof_damping[_dofs(model, log)] - model.actuator_biasprm[servos, 2]
     stiffness = model.actuator_gainprm[servos, 0].copy()
     return stiffness, np.where(damping > 0, damping, LAG * stiffness)
@@ -175,11 +175,6 @@ def _inertia(model: mujoco.MjModel, dofs: Array) -> tuple[Array, Array]:
     """About joints, (J,), with their rotors and without [kg m^2]."""
     whole = model.dof_M0[dofs]
     return whole, np.maximum(whole - model.dof_armature[dofs], LIGHTEST)
-
-
-def _servos(setup: Setup, log: Log) -> Array:
-    joints = setup.robot.card.joints
-    return leg_actuators(setup)[[joints.index(joint) for joint in log.joints]]
 
 
 def _dofs(model: mujoco.MjModel, log: Log) -> Array:

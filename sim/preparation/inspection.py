@@ -13,7 +13,7 @@ import numpy as np
 import models
 from models.adoption import servo_for
 from models.contact import lift_torques
-from models.description import actuator_of
+from models.description import actuators_driving
 from sim.errors import message
 from sim.motion.stability import margin_at_rest
 from sim.physics.standing import check_standing
@@ -73,9 +73,9 @@ def _servos(scenario: Scenario, kinematics: models.Kinematics, world: World) -> 
     stratum, leg = np.unravel_index(sliding.round(6).argmax(), sliding.shape)
     least, most = float(standing[stratum, leg]), float(sliding.max())
     model = load_world(world)
-    lifts = [actuator_of(model, joint) for joint in robot.lift_joints]
+    lifts = actuators_driving(model, robot.lift_joints)
     weakest = float(model.actuator_forcerange[lifts, 1].min())  # 0 without a limit
-    drives = [actuator_of(model, joint) for joint in robot.card.joints]
+    drives = actuators_driving(model, robot.card.joints)
     softest = float(model.actuator_gainprm[drives, 0].min())
     own = asked.name == "ideal" and softest < SOFT_STIFFNESS  # of the robot's file
     makes = sorted((k.stall_torque, n) for n, k in models.SERVO_KINDS.items())

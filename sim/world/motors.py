@@ -13,7 +13,7 @@ import numpy as np
 
 from models import Robot
 from models.adoption import fitting_rotor, servo_for
-from models.description import ON_JOINT, actuator_of, position_servos_of
+from models.description import ON_JOINT, actuators_driving, position_servos_of
 from sim.world.servos import ServoSettings
 
 CRITICAL = 1.0  # damping ratio, which the engine tells by its sign from a damping
@@ -93,7 +93,7 @@ def _take_limit(
 
 def common_servo(model: mujoco.MjModel, robot: Robot) -> tuple[float, float] | None:
     """Stiffness and damping of all leg joints' servos, None if they differ."""
-    driving = [actuator_of(model, joint) for joint in robot.card.joints]
+    driving = actuators_driving(model, robot.card.joints)
     gains = model.actuator_gainprm[driving, 0], -model.actuator_biasprm[driving, 2]
     found = set(zip(*(gain.tolist() for gain in gains), strict=True))
     return found.pop() if len(found) == 1 else None

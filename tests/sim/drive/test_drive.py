@@ -4,11 +4,11 @@ import mujoco
 import numpy as np
 import pytest
 
-from models.description import actuator_of
+from models.description import actuator_of, actuators_driving
 from models.description.servos import SERVO_KINDS, ServoKind
 from planner.systems.flows import Flow
 from sim.drive.drive import Drive
-from sim.drive.feed_forward import FeedForward, leg_actuators, smoothed
+from sim.drive.feed_forward import FeedForward, smoothed
 from sim.drive.rehearsal import Rehearsal
 from sim.errors import UsageError
 from sim.motion.schedule import Scheduler
@@ -109,7 +109,10 @@ def test_zeros_that_are_off_shift_whole_counts(scenario):
 def test_commands_lead_by_torque_and_damping_over_stiffness(scenario):
     setup = prepare(scenario(feed_forward=True, **SOFT))
     schedule = swung(setup)
-    steps, joints = schedule.stop - schedule.start, leg_actuators(setup)
+    steps, joints = (
+        schedule.stop - schedule.start,
+        actuators_driving(setup.model, setup.robot.card.joints),
+    )
     torque = np.full((2, setup.model.nu), 0.3)
     told = rows(Drive(setup), schedule, FeedForward(torque, spacing=steps))
     wanted = intended(setup, schedule)
@@ -180,7 +183,7 @@ def test_an_unknown_make_is_refused_with_those_known(scenario):
 
 def test_what_is_simulated_stands_in_the_model(scenario):
     setup = prepare(scenario(servo="ax-12"))
-    model, joints = setup.model, leg_actuators(setup)
+    model, joints = setup.model, actuators_driving(setup.model, setup.robot.card.joints)
     kind = SERVO_KINDS["ax-12"]
     assert model.actuator_gainprm[joints, 0] == pytest.approx(kind.stiffness)
     assert model.actuator_forcerange[joints, 1] == pytest.approx(kind.stall_torque)

@@ -7,13 +7,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from models.description import actuators_driving
 from sim.drive import rehearsal
 from sim.drive.drive import LEAST_FRICTION, Drive, _needed, zero_offsets
 from sim.drive.feed_forward import (
     GIVES,
     FeedForward,
     carried_torque,
-    leg_actuators,
     smoothed,
     stiffened,
 )
@@ -68,7 +68,8 @@ def test_the_whole_weight_is_carried_at_the_end_of_the_longest_leg(setup):
 
 
 def test_stiffened_servos_give_an_eight_hundredth_and_are_critically_damped(setup):
-    model, joints = stiffened(setup), leg_actuators(setup)
+    model, joints = stiffened(setup), setup.robot.card.joints
+    joints = actuators_driving(setup.model, joints)
     stiffness = model.actuator_gainprm[joints, 0]
     assert stiffness == pytest.approx(np.full(len(joints), 800 * carried_torque(setup)))
     assert GIVES == 1 / 800
@@ -184,7 +185,8 @@ def test_commands_beyond_a_joint_s_range_are_refused_with_angle_and_time(foresee
     """A torque of 50 N m bends a servo of 50 N m/rad by a whole radian."""
     scheduler = Scheduler(foreseeing.limits, foreseeing.at_rest, 2000)
     scheduler.hold(0.5)
-    schedule, joints = scheduler.finish(), leg_actuators(foreseeing)
+    schedule, joints = scheduler.finish(), foreseeing.robot.card.joints
+    joints = actuators_driving(foreseeing.model, joints)
     model, dt = foreseeing.model, foreseeing.limits.timestep
     low, high = model.actuator_ctrlrange[joints[3]]
     torques = np.zeros((6, model.nu))

@@ -6,9 +6,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from models.description import actuators_of
+from models.description import actuators_driving, actuators_of
 from sim.drive.drive import Drive
-from sim.drive.feed_forward import leg_actuators
 from sim.errors import UsageError
 from sim.preparation.setup import prepare
 from sim.world.imperfections import BACKLASH, _require_hold
@@ -145,7 +144,9 @@ def test_zeros_of_servos_are_off_by_a_draw_that_can_be_repeated(standing):
         setup = standing(zero_offset=0.02, **changes)
         scheduler_rows = next(iter(Drive(setup).commands(_hold(setup), None)))
         plain = next(iter(setup.commands(_hold(setup))))
-        return (scheduler_rows - plain)[0][leg_actuators(setup)]
+        return (scheduler_rows - plain)[0][
+            actuators_driving(setup.model, setup.robot.card.joints)
+        ]
 
     first, again, other = offsets(draw=1), offsets(draw=1), offsets(draw=2)
     assert (first == again).all()
@@ -230,7 +231,7 @@ def test_zeros_of_servos_are_given_joint_by_joint(standing):
     setup = standing(zero_offset=given)
     told = next(iter(Drive(setup).commands(_hold(setup), None)))
     plain = next(iter(setup.commands(_hold(setup))))
-    order = leg_actuators(setup)
+    order = actuators_driving(setup.model, setup.robot.card.joints)
     assert (told - plain)[0][order] == pytest.approx(given, abs=1e-15)
     names = [setup.model.actuator(int(i)).name for i in order[:4]]
     assert names == ["swing_1", "lift_1", "swing_2", "lift_2"]
