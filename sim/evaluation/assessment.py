@@ -191,6 +191,7 @@ def summarise(
     switches, fastest = phases.commanded_pace(walk)
     strokes = phases.swing_travel(swings, setup.robot.groups, loaded=True)
     slip, judged = achieved.slip[-1], evaluation.judged
+    swung = float(sum(phases.phase_slip(walk, p).sum() for p in swings))
     legs = map(str, setup.robot.legs)
     absent: dict[str, None] = dict.fromkeys(evaluation.unpredicted)
     errors: dict[str, Departure | None] = {}
@@ -234,7 +235,7 @@ def summarise(
             min_margin=recording.least_margin,
             min_clearance=evaluation.least_clearance("achieved"),
             slip=float(slip.sum()),
-            **phases.slip_by_phase(walk, float(slip.sum()), phases.swing_slip(walk)),
+            **phases.slip_by_phase(walk, float(slip.sum()), swung),
             slip_per_foot=dict(zip(legs, slip.tolist(), strict=True)),
             creep_floor=evaluation.creep_floor,
         ),

@@ -24,12 +24,6 @@ def phase_slip(walk: Walk, phase: Phase) -> Array:
     return after - walk.recording.slip_after(phase.start) if phase.start else after
 
 
-def swing_slip(walk: Walk) -> float:
-    """Slip of all feet in all swings [m]."""
-    slips = (phase_slip(walk, p).sum() for p in walk.phases if p.kind == "swing")
-    return float(sum(slips))
-
-
 def standing_slip(walk: Walk, slip: Array | None = None) -> Array:
     """Slip of every foot while it was planned to stand and legs swung, (F,) [m].
 
