@@ -11,7 +11,7 @@ Example:
 import json
 import math
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -21,10 +21,8 @@ import numpy as np
 import planner
 from models import SYSTEMS, Problem, shipped_system
 from planner.optimisation import casadi_function
-from planner.systems import flow_map
 from scripts.pages import parser_of, tabulate
 
-Stroke = tuple[str, float]  # name of a field, signed duration
 COUNTS = (32, 64)  # segments between which the order is measured
 HEADER = (
     "system | degree | order expected | measured | critical step | length of the way | "
@@ -79,7 +77,7 @@ def _shots(problem: Problem, extended: planner.ExtendedSystem) -> tuple[object, 
     return len(steered.distances) - 1, len(steered.plan.flows)
 
 
-def _peer(problem: Problem, solve: Callable[[Problem], list[Stroke]]) -> str:
+def _peer(problem: Problem, solve: Callable[[Problem], list[planner.Flow]]) -> str:
     """Strokes of a peer's plan, its distance from the goal, and its time."""
     began = time.perf_counter()
     try:
@@ -87,16 +85,13 @@ def _peer(problem: Problem, solve: Callable[[Problem], list[Stroke]]) -> str:
     except ImportError:
         return "not installed"
     took = time.perf_counter() - began
-    missed = float(np.linalg.norm(end(problem, strokes) - problem.states[1]))
+    end = planner.play(problem.system, strokes, problem.states[0])[-1]
+    missed = float(np.linalg.norm(end - problem.states[1]))
     return f"{len(strokes)}, {missed:.0e} off, {took:.1f} s"
 
 
-def end(problem: Problem, strokes: Iterable[Stroke]) -> planner.Array:
-    """Where strokes lead from the start, exactly, shape (n,)."""
-    x = problem.states[0]
-    for name, duration in strokes:
-        x = flow_map(problem.system, name, x, duration)
-    return x
+def _stroke(problem: Problem, name: str, duration: float) -> planner.Flow:
+    return planner.Flow(problem.system.stratum_of[name], name, duration)
 
 
 def controls(problem: Problem) -> tuple[str, ...]:
@@ -104,7 +99,7 @@ def controls(problem: Problem) -> tuple[str, ...]:
     return planner.extend(problem.system, problem.elements).steering.hall.generators
 
 
-def optimised(problem: Problem) -> list[Stroke]:
+def optimised(problem: Problem) -> list[planner.Flow]:
     """The least strokes by CasADi and IPOPT, multiple shooting from one guess.
 
     States between strokes are unknowns like the durations, so that a poor first guess
@@ -129,8 +124,8 @@ def optimised(problem: Problem) -> list[Stroke]:
         "g": casadi.vertcat(*gaps),
     }
     quiet: Any = {"ipopt.print_level": 0, "ipopt.sb": "yes", "print_time": False}
-    guess = [(name, GUESS) for name in names]
-    passed = [end(problem, guess[: k + 1]) for k in range(count)]
+    guess = [_stroke(problem, name, GUESS) for name in names]
+    passed = planner.play(problem.system, guess, start)[1:]
     found = casadi.nlpsol("shooting", "ipopt", program, quiet)(
         x0=np.concatenate([np.full(count, GUESS), np.zeros(count), np.ravel(passed)]),
         lbx=np.repeat([0.0, -np.inf], [2 * count, len(start) * count]),
@@ -138,14 +133,9 @@ def optimised(problem: Problem) -> list[Stroke]:
         ubg=0,
     )
     ahead, behind = np.array(found["x"])[: 2 * count, 0].reshape(2, count)
-    left: list[Stroke] = []
-    for name, duration in zip(names, (ahead - behind).tolist(), strict=True):
-        if abs(duration) <= UNUSED:
-            continue
-        if left and left[-1][0] == name:  # with nothing used between the two
-            duration += left.pop()[1]
-        left.append((name, duration))
-    return left
+    named = zip(names, (ahead - behind).tolist(), strict=True)
+    strokes = (_stroke(problem, *each) for each in named)
+    return [*planner.merged(s for s in strokes if abs(s.duration) > UNUSED)]
 
 
 def _flow(problem: Problem, name: str, casadi: Any) -> Any:
@@ -157,7 +147,7 @@ def _flow(problem: Problem, name: str, casadi: Any) -> Any:
     return casadi.simpleRK(motion, STEPS)
 
 
-def sampled(problem: Problem, seconds: float = SAMPLING_TIME) -> list[Stroke]:
+def sampled(problem: Problem, seconds: float = SAMPLING_TIME) -> list[planner.Flow]:
     """Strokes that RRT of OMPL finds in time, near the goal or not.
 
     The propagator is called from C++ in Python, so that it sees far fewer samples in a
@@ -181,10 +171,10 @@ def sampled(problem: Problem, seconds: float = SAMPLING_TIME) -> list[Stroke]:
     setup.setStateValidityChecker(lambda state: space.satisfiesBounds(state))
     rates = {name: system.compiled(name).velocity for name in names}
 
-    def stroke(chosen: Any, duration: float) -> Stroke:
+    def stroke(chosen: Any, duration: float) -> planner.Flow:
         """The sign of the control is the stroke's, its size says which field."""
         name = names[min(int(abs(chosen[0])), count - 1)]
-        return name, math.copysign(duration, chosen[0])
+        return _stroke(problem, name, math.copysign(duration, chosen[0]))
 
     def set_to(state: Any, values: planner.Array) -> Any:
         for i, value in enumerate(values.tolist()):
@@ -193,7 +183,7 @@ def sampled(problem: Problem, seconds: float = SAMPLING_TIME) -> list[Stroke]:
 
     def propagate(state: Any, chosen: Any, duration: float, result: Any) -> None:
         x = np.array([state[i] for i in range(size)])
-        name, h = stroke(chosen, duration)
+        _, name, h = stroke(chosen, duration)
         set_to(result, x + h * rates[name](x + h / 2 * rates[name](x)))
 
     setup.setStatePropagator(propagate)

@@ -8,13 +8,12 @@ import numpy as np
 import pytest
 
 from models import equations, load, shipped_system
-from planner import Execution, aim, extend, line
-from scripts.planner_table import controls, end, optimised, sampled
+from planner import Execution, aim, extend, line, play
+from scripts.planner_table import controls, optimised, sampled
 from sim import cli
 
 TRIPODS = ("g1_1", "g2_2")  # fields of the strokes of each tripod
 ELEMENTS = (*TRIPODS, "g1_2", "g2_1", "[g1_1,g2_2]")
-ROUNDING = 1e-12  # a flow is followed to the last digits
 TASKS = {  # a hexapod, and where it is to go
     "unit-free": (lambda: shipped_system("paper-hexapod").system, (1.0, 1.0, 0.0)),
     "a segment of line": (
@@ -25,14 +24,12 @@ TASKS = {  # a hexapod, and where it is to go
 
 
 def off(problem, strokes):
-    return np.linalg.norm(end(problem, strokes) - problem.states[1])
+    end = play(problem.system, strokes, problem.states[0])[-1]
+    return np.linalg.norm(end - problem.states[1])
 
 
-def test_strokes_of_single_fields_end_where_their_flows_lead():
-    problem = shipped_system("unicycle")
-    assert controls(problem) == ("drive", "turn")
-    reached = end(problem, [("drive", 1.0), ("turn", np.pi / 2), ("drive", 2.0)])
-    assert reached == pytest.approx([1, 2, np.pi / 2], abs=ROUNDING)
+def test_controls_are_the_fields_that_elements_are_made_of():
+    assert controls(shipped_system("unicycle")) == ("drive", "turn")
 
 
 @pytest.mark.parametrize("name", TASKS)
@@ -72,7 +69,7 @@ def test_sampled_strokes_are_of_single_fields_and_come_closer_to_the_goal():
     pytest.importorskip("ompl", exc_type=ImportError)
     problem = shipped_system("heisenberg")
     strokes = sampled(problem, seconds=0.5)
-    assert {name for name, _ in strokes} <= set(controls(problem))
+    assert {stroke.field for stroke in strokes} <= set(controls(problem))
     assert 1e-6 < off(problem, strokes) < off(problem, [])  # it samples
 
 
