@@ -31,10 +31,16 @@ class MotionLimits:
     groups: tuple[str, ...]  # names, in the order of every array
 
     def swing_steps(self, direction: Sequence[float], amount: float) -> tuple[int, int]:
-        """Number of steps of a swing and of its acceleration."""
-        speed, acceleration = self.swing_speed, self.swing_acceleration
-        farthest = amount * max(map(abs, direction))
-        return ramp_steps(farthest, speed, acceleration, self.timestep)
+        """Number of steps of a swing and of its acceleration, within both bounds.
+
+        The peak of the acceleration along the cubic is 1.5 times its mean.
+        """
+        acceleration, dt = self.swing_acceleration, self.timestep
+        farthest = abs(amount * max(map(abs, direction)))
+        peak = min(self.swing_speed, sqrt(farthest * acceleration / 1.5))
+        rise = ceil(1.5 * peak / acceleration / dt)
+        cruise = ceil(max(farthest / peak / dt - rise, 0.0)) if peak else 0
+        return 2 * rise + cruise, rise
 
     def swing_peak(self, direction: Sequence[float], amount: float) -> float:
         """Highest speed that a joint comes to in a swing [rad/s]."""
@@ -96,19 +102,6 @@ def ramp(done: Array, steps: Array | int, rise: Array | int) -> Array:
     end = np.maximum(rise, 1)
     ends = covered(done / end) + 0.5 - covered((steps - done) / end)
     return (full + rise * ends) / np.subtract(steps, rise)
-
-
-def ramp_steps(
-    amount: float, speed: float, acceleration: float, timestep: float
-) -> tuple[int, int]:
-    """Steps of a swing by an amount [rad] and of its acceleration, within both bounds.
-
-    The peak of the acceleration along the cubic is 1.5 times its mean.
-    """
-    peak = min(speed, sqrt(abs(amount) * acceleration / 1.5))
-    rise = ceil(1.5 * peak / acceleration / timestep)
-    cruise = ceil(max(abs(amount) / peak / timestep - rise, 0.0)) if peak else 0
-    return 2 * rise + cruise, rise
 
 
 @dataclass(frozen=True)

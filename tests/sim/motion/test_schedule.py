@@ -1,10 +1,12 @@
 """Smooth joint commands from flows."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from planner.systems.flows import Flow
-from sim.motion.schedule import LegState, MotionLimits, Scheduler, ramp, ramp_steps
+from sim.motion.schedule import LegState, MotionLimits, Scheduler, ramp
 
 LIMITS = MotionLimits(
     swing_speed=0.5,
@@ -34,7 +36,8 @@ WALK = scheduled(("1", 0, 0.2), ("1", 1, -0.1), ("2", 1, 0.003), ("2", 0, -0.4))
 @pytest.mark.parametrize("amount", [1e-6, 0.003, 0.05, 0.4, -0.4, 3.0])
 @pytest.mark.parametrize("timestep", [0.002, 0.0005])
 def test_a_swing_keeps_its_speed_and_acceleration_bounds(amount, timestep):
-    steps, rise = ramp_steps(amount, 0.5, 5.0, timestep)
+    limits = replace(LIMITS, timestep=timestep)
+    steps, rise = limits.swing_steps((1.0, 0.0), amount)
     way = ramp(np.arange(1, steps + 1), steps, rise)
     angle = np.concatenate([[0, 0], amount * way, [amount]])
     speed = np.diff(angle) / timestep
@@ -46,7 +49,7 @@ def test_a_swing_keeps_its_speed_and_acceleration_bounds(amount, timestep):
 
 
 def test_a_long_swing_uses_the_speed_it_is_given():
-    steps, _ = ramp_steps(3.0, 0.5, 5.0, 0.001)
+    steps, _ = LIMITS.swing_steps((1.0, 0.0), 3.0)
     # 3 rad at 0.5 rad/s, and one rise of 1.5 * 0.5 / 5 s for starting and stopping
     assert steps * 0.001 == pytest.approx(3.0 / 0.5 + 0.15, abs=0.002)
 

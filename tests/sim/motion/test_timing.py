@@ -25,7 +25,6 @@ from sim.motion.schedule import (
     Scheduler,
     command_at,
     ramp,
-    ramp_steps,
     step_of,
 )
 
@@ -51,7 +50,7 @@ def test_a_hold_has_a_ramp_without_rise():
 @pytest.mark.parametrize("amount", [1e-4, 0.01, 0.07, 0.3, -0.3, 2.0])
 def test_a_swing_is_as_short_as_its_bounds_let_it_be(amount):
     """One step less of rise or of cruise would break a bound."""
-    steps, rise = ramp_steps(amount, 0.5, 5.0, DT)
+    steps, rise = LIMITS.swing_steps((1.0, 0.0, 0.0), amount)
     cruise = steps - 2 * rise
 
     def peaks(rise, cruise):
@@ -67,14 +66,14 @@ def test_a_swing_is_as_short_as_its_bounds_let_it_be(amount):
     if rise > 1:
         speed, acceleration = peaks(rise - 1, cruise)
         assert speed > 0.5 or acceleration > 5.0 * (1 - 2 / rise)
-    assert ramp_steps(0.0, 0.5, 5.0, DT) == (0, 0)
+    assert LIMITS.swing_steps((1.0, 0.0, 0.0), 0.0) == (0, 0)
 
 
 @pytest.mark.parametrize("direction", [(1.0, 0.0, 0.0), (0.5, -2.0, 1.0)])
 def test_the_peak_of_a_swing_is_that_of_the_farthest_group(direction):
     steps, rise = LIMITS.swing_steps(direction, -0.2)
     most = 0.2 * max(map(abs, direction))
-    assert (steps, rise) == ramp_steps(most, 0.5, 5.0, DT)
+    assert (steps, rise) == LIMITS.swing_steps((1.0, 0.0, 0.0), most)
     way = most * ramp(np.arange(1, steps + 1), steps, rise)
     fastest = np.diff(way).max() / DT
     assert LIMITS.swing_peak(direction, -0.2) == pytest.approx(fastest, rel=1e-3)
