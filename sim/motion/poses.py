@@ -68,11 +68,6 @@ def trail(steps: Array) -> Array:
     return np.column_stack([np.vstack([np.zeros(2), np.cumsum(ways, axis=0)]), yaw])
 
 
-def nearest_turn(yaw: float, to: float) -> float:
-    """A yaw plus the number of full turns that brings it closest to another yaw."""
-    return float(to + wrap(yaw - to))
-
-
 def length_up_to(points: Array) -> Array:
     """Length of a line (N, 2) from its first point to each, shape (N,)."""
     return np.cumsum(np.hypot(*np.diff(points, axis=0, prepend=points[:1]).T))

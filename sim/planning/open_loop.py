@@ -32,7 +32,7 @@ from planner.planning import Step, grid, plan_step, require_segments
 from planner.support import tick
 from sim.errors import message
 from sim.experiments.identification import twist_model
-from sim.motion.poses import compose, nearest_turn, relative
+from sim.motion.poses import compose, relative, wrap
 from sim.preparation.setup import Setup
 
 ROUGH_ROUNDS = 3  # tell about where a plan comes too near to its bounds
@@ -92,7 +92,8 @@ def plan_segment(
     motion is meant, shape (3,), seen from where the segment starts, it ends there.
     """
     target = segment_target(setup, segment)
-    here = np.array([*pose[:2], nearest_turn(pose[2], to=target[2])])
+    nearest = target[2] + wrap(pose[2] - target[2])  # by full turns
+    here = np.array([*pose[:2], nearest])
     target = target if meant is None else compose(here, meant)
     twists = twist_model(setup, setup.scenario.steered_on)
     step = steer_towards(setup, twists, segment, target, here, swing)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from sim.motion.poses import lean_of, nearest_turn, pose_of, seen_from, wrap
+from sim.motion.poses import lean_of, pose_of, seen_from, wrap
 
 
 def test_angles_are_wrapped_to_minus_pi_excluded_pi_included():
@@ -40,8 +40,3 @@ def test_one_step_ahead_is_forward_whatever_the_heading():
         origin = np.array([1.0, 2.0, yaw])
         ahead = origin + [np.cos(yaw), np.sin(yaw), 0.5]
         assert seen_from(origin, ahead) == pytest.approx([1.0, 0.0, 0.5])
-
-
-def test_the_nearest_turn_follows_a_yaw_beyond_half_a_turn():
-    assert nearest_turn(-3.0, 3.2) == pytest.approx(-3.0 + 2 * np.pi)
-    assert nearest_turn(0.1, 0.0) == pytest.approx(0.1)
