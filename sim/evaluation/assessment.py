@@ -18,7 +18,7 @@ from sim.evaluation.quantities import describe
 from sim.evaluation.summary import Accomplished, Departure, Predicted, Summary, Weighed
 from sim.evaluation.verdict import Verdict, judge
 from sim.experiments.identification import creep_floor, follows_commands, twist_model
-from sim.logs.alignment import Measured
+from sim.logs.alignment import Measured, measured
 from sim.motion.prediction import Prediction
 from sim.preparation.shared import Cache, Shared, no_cache, world_cache
 from sim.progress import Progress, silent, stage
@@ -69,8 +69,11 @@ class Evaluation:
 
     @cached_property
     def measured(self) -> Measured | None:
-        """What a log says of a real robot, at every recorded moment."""
-        return motions.measured_along(self.walk, self.predicted)
+        """What a log says of a real robot, at every recorded moment, if anything."""
+        if (motion := self.walk.setup.motion) is None:
+            return None
+        time, (first, *_) = motions.time_of(self.walk), self.predicted.values()
+        return measured(motion.log, time, first.pose)
 
     @cached_property
     def weighed(self) -> Weighed:

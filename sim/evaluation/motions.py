@@ -9,7 +9,6 @@ import numpy as np
 from models import TwistModel
 from planner import Array
 from sim.compliant.prediction import CompliantPrediction, foreseen
-from sim.logs.alignment import Measured, measured
 from sim.logs.playing import Played, rigid
 from sim.motion.poses import rotate, seen_from, wrap
 from sim.motion.prediction import Commanded, Prediction, Predictor, commanded
@@ -85,7 +84,7 @@ def predicted_along(
         return _compliant(walk, contact)
     if (motion := walk.setup.motion) is not None:
         margin = np.concatenate([block.margin for block in every])
-        return rigid(motion, walk.setup.ground, contact, margin, _time(walk))
+        return rigid(motion, walk.setup.ground, contact, margin, time_of(walk))
     twists, kinematics = model(), walk.setup.kinematics
     slipped = np.zeros(len(walk.setup.robot.legs))
     pieces: list[tuple[Array, Array, Array, Array]] = []
@@ -111,16 +110,9 @@ def _compliant(walk: Walk, contact: Array) -> CompliantPrediction:
     return replace(found, slip=np.maximum(found.slip - before, 0.0))
 
 
-def _time(walk: Walk) -> Array:
+def time_of(walk: Walk) -> Array:
     """Of the moments recorded, from the start of the walk on, (T,) [s]."""
     return (walk.recording.during - walk.starts) * walk.setup.limits.timestep
-
-
-def measured_along(walk: Walk, predicted: Mapping[str, Prediction]) -> Measured | None:
-    """What was measured on a real robot, at every recorded moment, if anything."""
-    if (motion := walk.setup.motion) is None:
-        return None
-    return measured(motion.log, _time(walk), next(iter(predicted.values())).pose)
 
 
 def clearances(walk: Walk, predicted: Mapping[str, Prediction]) -> dict[str, Array]:
