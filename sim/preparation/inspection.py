@@ -22,7 +22,7 @@ from sim.preparation.setup import Setup
 from sim.scenarios.scenario import Scenario
 from sim.world.changes import changes, overlaps
 from sim.world.model import World, build, load as load_world
-from sim.world.servos import SOFT_STIFFNESS, joints_without_servo, servo_settings
+from sim.world.servos import SOFT_STIFFNESS, position_servos, servo_settings
 
 Facts = dict[str, Any]
 
@@ -94,7 +94,8 @@ def _servos(scenario: Scenario, kinematics: models.Kinematics, world: World) -> 
 
 def _with_servos(robot: models.Robot) -> tuple[models.Robot, list[str]]:
     """The robot, given servos where its card has none, and a sentence about that."""
-    without = joints_without_servo(robot)
+    served = {servo.target for servo in position_servos(robot.read())}
+    without = [joint for joint in robot.card.joints if joint not in served]
     if not without or robot.card.servo is not None:
         return robot, []
     servo = servo_for(robot)

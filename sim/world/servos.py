@@ -129,12 +129,6 @@ def ensure_servos(spec: mujoco.MjSpec, robot: Robot, asked: ServoSettings) -> No
         _tune(servo, asked)
 
 
-def joints_without_servo(robot: Robot) -> list[str]:
-    """Leg joints of a robot that its file gives no position servo."""
-    served = {servo.target for servo in position_servos(robot.read())}
-    return [joint for joint in robot.card.joints if joint not in served]
-
-
 def position_servos(spec: mujoco.MjSpec) -> list[mujoco.MjsActuator]:
     """Position servos on joints; a plugin has a law of its own."""
     plain = [a for a in spec.actuators if not a.plugin.active]
