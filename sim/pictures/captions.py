@@ -11,7 +11,6 @@ from planner import Array
 from sim import palette
 from sim.evaluation.flows import WalkedPhase
 from sim.evaluation.quantities import ACHIEVED, OF_ROWS, OF_WALKS
-from sim.palette import Colour
 from sim.pictures import legend
 from sim.pictures.camera import FILM, HEIGHT, WIDTH, Camera
 from sim.pictures.clock import Clock
@@ -112,31 +111,25 @@ def _bar(walk: Run, playback: float) -> legend.Panel:
     for end, label in zip(ends, (speed, *numbers), strict=True):
         legend.text(draw, (end, 54), label, anchor="ra", colour=palette.FAINT)
 
-    noun = legend.noun(walk)
+    noun, lamps = legend.noun(walk), [*map(palette.group, walk.group_of_foot)]
 
     def write(draw: legend.Draw, row: int) -> None:
         words = describe(walk.phases[walk.phase[row]], walk.card.groups, noun)
         words = legend.fitting(words, ends[-1] - COLUMN - legend.PAD, legend.MIDDLE)
         legend.text(draw, (legend.PAD, 12), words, legend.MIDDLE)
-        for foot, leg in enumerate(walk.legs):
-            colour = palette.group(walk.group_of_foot[foot])
-            _lamp(draw, foot, str(leg), colour, touches=walk.contact[row, foot])
+        for foot, leg in enumerate(walk.legs):  # a disc, filled while it touches
+            colour, touches = lamps[foot], walk.contact[row, foot]
+            x, y = legend.PAD + LAMP + 3 * LAMP * foot, height - legend.PAD - LAMP
+            place = (x - LAMP, y - LAMP, x + LAMP, y + LAMP)
+            draw.ellipse(place, colour if touches else None, colour, 2)
+            ink = colour.ink if touches else palette.TEXT
+            legend.text(draw, (x, y), str(leg), 14, "mm", ink)
         shown = (metres[row] for metres in numbers.values())
         values = (f"{1000 * m:.1f} mm" if np.isfinite(m) else "none" for m in shown)
         for end, value in zip(ends, (f"{walk.time[row]:.1f} s", *values), strict=True):
             legend.text(draw, (end, 14), value, legend.LARGE, "ra")
 
     return legend.Panel(legend.EDGE, HEIGHT - legend.EDGE - height, still, write)
-
-
-def _lamp(
-    draw: legend.Draw, foot: int, leg: str, colour: Colour, touches: bool
-) -> None:
-    """A numbered disc, filled while the foot touches the floor."""
-    x, y = legend.PAD + LAMP + 3 * LAMP * foot, BAR - legend.PAD - LAMP
-    place = (x - LAMP, y - LAMP, x + LAMP, y + LAMP)
-    draw.ellipse(place, fill=colour if touches else None, outline=colour, width=2)
-    legend.text(draw, (x, y), leg, 14, "mm", colour.ink if touches else palette.TEXT)
 
 
 def describe(flow: WalkedPhase, groups: Iterable[str], noun: str) -> str:
