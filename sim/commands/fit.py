@@ -23,6 +23,7 @@ from sim.logs.playing import scenario_of
 from sim.preparation.setup import Setup, prepare
 from sim.progress import bar, stage
 from sim.runs.run import read_run
+from sim.scenarios.settings import SETTINGS
 from sim.templates import render
 
 MILLI, MILLI_UNITS = 1e3, {"rad": "mrad", "s": "ms"}  # in tables
@@ -64,6 +65,9 @@ def fit(options: argparse.Namespace) -> None:
     if options.out is not None:
         text = fitting.card_text(setup.robot, fitted, options.sources)
         parts["written"] = fitting.write_card(setup.robot, Path(options.out), text)
+        earlier = setup.robot.card.fitted.keys() - fitted.keys() & SETTINGS.keys()
+        if lost := ", ".join(sorted(earlier)):
+            cli.notice(f"{lost} of an earlier fit: copy to {options.out} what holds")
     settings = {key: {"value": v, "error": e} for key, (v, e) in fitted.items()}
     cli.report(options, {"settings": settings} | facts, render("fit.txt", **parts))
 

@@ -273,9 +273,9 @@ def _bridged(time: Array, angle: Array, joint: str, done: list[str]) -> Array:
     if not there.any():
         raise ValueError(f"column {joint!r} is empty; leave it out")
     rows = np.flatnonzero(there)
-    longest = np.diff(time[rows])[np.diff(rows) > 1].max(initial=0.0)
-    count = (~there).sum()
-    done.append(f"{joint}: empty cells bridged, {count}; {longest:.3g} s at most")
+    held = time[rows[0]] - time[0], time[-1] - time[rows[-1]]  # at the first and last
+    longest = max(*held, *np.diff(time[rows])[np.diff(rows) > 1])
+    done.append(message("bridged", joint=joint, count=(~there).sum(), longest=longest))
     return np.interp(time, time[there], angle[there])
 
 

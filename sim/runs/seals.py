@@ -9,6 +9,7 @@ import json
 from collections.abc import Collection, Mapping
 from os.path import normpath
 from pathlib import Path
+from typing import Any
 
 from planner.support import open_file
 from sim.scenarios.settings import SETTINGS
@@ -34,7 +35,11 @@ def seals(folder: Path, *tables: Table, copies: Collection[str] = ()) -> Seals:
     sealed = told if isinstance(told := tables[-1].get("seals"), Mapping) else {}
     names = {*WHOLE, *map(str, sealed)} - {*TABLES, MODEL} | {*copies}
     inside = [n for n in sorted(names) if n == normpath(n) and n[0] not in "./"]
-    named = zip(TABLES.items(), tables, strict=True)
+    scenario, card, summary = tables
+    servos: Any = card.get("servo", {})  # of which those of single joints are tables
+    make = {key: value for key, value in servos.items() if not isinstance(value, dict)}
+    card = {**card, "make": make} if make else card
+    named = zip(TABLES.items(), (scenario, card, summary), strict=True)
     found: Seals = {name: _seal_of_table(table, free) for (name, free), table in named}
     if sealed and CARD not in sealed:  # as in earlier versions
         del found[CARD]

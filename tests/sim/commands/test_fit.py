@@ -30,6 +30,9 @@ def options(*sources, **changes):
     return Namespace(**given | more | changes)
 
 
+EARLIER = {"slope": [0.0, 0.0], "payload": [0.0] * 4, "friction": 0.6, "source": []}
+
+
 def body():
     """A friction of 0.7, known to a tenth, and a load of 20 ms for the table's sake."""
     parameters = (
@@ -79,6 +82,11 @@ def test_the_body_is_fitted_to_a_walk_whose_commands_came_late(
     said = [line.split() for line in capsys.readouterr().out.splitlines()]
     assert ["friction", "0.70", "+-", "0.10"] in said
     assert ["late", "20.00", "+-", "1.00", "ms"] in said
+    monkeypatch.setattr(command.fitting, "write_card", lambda *_: None)
+    setup.robot = replace(hexapod, card=replace(hexapod.card, fitted=EARLIER))
+    fit(options(out="new.toml"))
+    told = "payload, slope of an earlier fit: copy to new.toml what holds"
+    assert told in capsys.readouterr().err
 
 
 def refused(*given, **changes):

@@ -74,7 +74,7 @@ def test_what_was_done_to_a_log_is_said(read):
         "gaps of up to 0.07 s between rows, 1 in all; "
         "commands are interpolated across them",
         "times between rows vary by 0.71 ms around 10 ms; each row keeps its own time",
-        "hip_1: empty cells bridged, 1; 0.021 s at most",
+        "hip_1: empty cells bridged, or held at an end, 1; 0.021 s at most",
     )
 
 

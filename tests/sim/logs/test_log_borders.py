@@ -111,13 +111,14 @@ def test_steps_that_vary_by_a_twentieth_are_mentioned(read, jitter):
 
 
 def test_empty_cells_are_bridged_evenly_and_held_beyond_the_ends(read):
+    said = "hip_1: empty cells bridged, or held at an end, {}; {} s at most"
     cells = ["", "1", "", "", "2", "3", ""]
     rows = [f"{0.1 * k:.1f},{cell}" for k, cell in enumerate(cells)]
     log = read("time,hip_1\n" + "\n".join(rows) + "\n")
     assert log.commanded[:, 0] == pytest.approx([1, 1, 4 / 3, 5 / 3, 2, 3, 3])
-    assert log.done == ("hip_1: empty cells bridged, 4; 0.3 s at most",)
+    assert log.done == (said.format(4, 0.3),)
     ends = read("time,hip_1\n0,\n0.1,1\n0.2,2\n")
-    assert ends.done == ("hip_1: empty cells bridged, 1; 0 s at most",)
+    assert ends.done == (said.format(1, 0.1),)
 
 
 def plain(rows=3, **parts):

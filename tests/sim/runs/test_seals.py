@@ -27,9 +27,12 @@ def test_seals_of_files_elsewhere_are_none(tmp_path):
 
 def test_servos_may_be_mounted_anew_and_legs_may_not(tmp_path):
     card = {"lift_angle": 0.3, "servo": {"kind": "mg90"}, "board": {"clock": 25e6}}
-    anew = {"servo": {"kind": "mg996r"}, "board": {"clock": 26e6}, "description": "it"}
+    servo = {"kind": "mg90", "lift_1": {"channel": 3}}
+    anew = {"servo": servo, "board": {"clock": 26e6}, "description": "it"}
     sealed = seals(tmp_path, {}, card, {})
     assert seals(tmp_path, {}, card | anew, {}) == sealed
+    other = {"servo": servo | {"kind": "mg996r"}}  # its commands would be others
+    assert seals(tmp_path, {}, card | other, {}) != sealed
     assert seals(tmp_path, {}, card | {"lift_angle": 0.2}, {}) != sealed
 
 
