@@ -97,6 +97,13 @@ def test_two_joints_on_a_channel_are_refused():
         table(given=given)
 
 
+def test_a_servo_that_could_not_move_is_refused():
+    """Radians a count, say, in place of counts a radian."""
+    assert table(given={"one": JointServo(counts_per_radian=10.0)})
+    with pytest.raises(UsageError, match="turns joint 'one' by 0.101 rad, as no servo"):
+        table(given={"one": JointServo(counts_per_radian=9.9)})
+
+
 @pytest.mark.parametrize(("pwm", "most"), [(True, 255), (False, 253)])
 def test_channels_that_no_board_or_bus_has_are_refused(pwm, most):
     """A header holds them in bytes, and a bus has other uses for 254 and 255."""
