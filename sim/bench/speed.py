@@ -26,9 +26,8 @@ from planner import Execution, Plan, degree, extend, hall_basis, line, plan, rol
 from planner.lie import lie_algebra, place, structure_constants
 from planner.support import best_so_far, limited, shipped_tables
 from sim.optimisation.judging import Judge
-from sim.physics.engine import STRETCH, Engine
-from sim.physics.measure import Sensors
-from sim.physics.recording import Recorder
+from sim.physics.engine import STRETCH
+from sim.physics.recording import recorded
 from sim.planning.open_loop import plan_open_loop
 from sim.preparation.scheduling import scheduled
 from sim.preparation.setup import Setup, prepare
@@ -192,12 +191,9 @@ def simulation(setup: Setup) -> Iterator[Row]:
     ctrl = np.concatenate(list(setup.commands(schedule, STEPS)))
 
     def staged() -> None:
-        sensors = Sensors(setup.model, setup.robot)
-        recorder = Recorder(Engine(setup.model), sensors, setup.scenario.sample_every)
-        recorder.walk_starts = 0
-        for _ in recorder.play(np.split(ctrl, range(STRETCH, STEPS, STRETCH))):
-            pass
-        recorder.finish()
+        pieces = np.split(ctrl, range(STRETCH, STEPS, STRETCH))
+        every = setup.scenario.sample_every
+        recorded(setup.model, setup.robot, pieces, every, walk_starts=0)
 
     def bare() -> None:
         data = mujoco.MjData(setup.model)

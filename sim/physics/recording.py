@@ -221,10 +221,12 @@ def recorded(
     robot: Robot,
     commands: Iterable[Array],
     sample_every: int,
-    inspections: Array,
+    inspections: Array = NONE,
+    walk_starts: int = NEVER,
 ) -> Recording:
     """What comes of commands on a model, from its start to the end of the commands."""
     recorder = Recorder(Engine(model), Sensors(model, robot), sample_every)
+    recorder.walk_starts = walk_starts
     for _ in recorder.play(commands, inspections):
         pass
     return recorder.finish()

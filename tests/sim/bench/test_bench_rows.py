@@ -11,6 +11,7 @@ import pytest
 
 from sim.bench import speed, sweep_speed
 from sim.bench.sweep_speed import TINY, WITHOUT
+from sim.physics.recording import Recorder
 from sim.preparation.setup import prepare
 from sim.scenarios.file import load_scenario, scenario_from
 from sim.sweeps.ledger import digest
@@ -100,14 +101,14 @@ def test_the_simulate_stage_plays_the_commands_of_the_bare_loop(clock, monkeypat
     steps = 2 * STRETCH + 10
     monkeypatch.setattr(speed, "STEPS", steps)
     monkeypatch.setattr(speed, "REPEATS", 1)
-    real, played = speed.Recorder.play, []
+    real, played = Recorder.play, []
 
-    def play(recorder, blocks):
+    def play(recorder, blocks, *inspected):
         played.append(np.concatenate(list(blocks)))
         assert recorder.walk_starts == 0
-        return real(recorder, iter([played[-1]]))
+        return real(recorder, iter([played[-1]]), *inspected)
 
-    monkeypatch.setattr(speed.Recorder, "play", play)
+    monkeypatch.setattr(Recorder, "play", play)
     setup = prepare(load_scenario("line"))
     clock += [4.0, 2.0]
     ratio, rate = speed.simulation(setup)
