@@ -1,2 +1,2 @@
-from .anatomy import fitting_rotor as fitting_rotor, servo_for as servo_for
+from .anatomy import FASTEST as FASTEST, servo_for as servo_for
 from .draft import propose as propose

@@ -243,11 +243,6 @@ def servo_for(robot: Robot) -> Servo:
     return drafted_servo(pose, robot.card.joints, arm, len(robot.legs))
 
 
-def fitting_rotor(robot: Robot) -> float:
-    """Reflected inertia of a motor that could carry a robot [kg m^2]."""
-    return servo_for(robot).stiffness / FASTEST**2
-
-
 def drafted_servo(pose: Pose, joints: Sequence[str], arm: float, legs: int) -> Servo:
     """A servo for some joints of a robot that stands, critically damped.
 

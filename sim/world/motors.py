@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 
 from models import Robot
-from models.adoption import fitting_rotor, servo_for
+from models.adoption import FASTEST, servo_for
 from models.description import ON_JOINT, actuators_driving, position_servos_of
 from sim.world.servos import ServoSettings
 
@@ -37,7 +37,8 @@ def added_rotors(robot: Robot, asked: ServoSettings) -> Mapping[str, float]:
 def inertia_share(robot: Robot, model: mujoco.MjModel, joints: Sequence[str]) -> float:
     """Least inertia of some joints in a world, as a share of a fitting motor's."""
     dofs = [int(model.joint(joint).dofadr[0]) for joint in joints]
-    return float(model.dof_M0[dofs].min()) / fitting_rotor(robot)
+    rotor = servo_for(robot).stiffness / FASTEST**2  # of a motor that could carry it
+    return float(model.dof_M0[dofs].min()) / rotor
 
 
 def undamped_joints(robot: Robot, asked: ServoSettings) -> tuple[str, ...]:

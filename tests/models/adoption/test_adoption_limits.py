@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from models.adoption import anatomy, card_text, crawl, draft
-from models.adoption.anatomy import _within, fitting_rotor
+from models.adoption import card_text, crawl, draft
+from models.adoption.anatomy import _within
 from models.adoption.card_text import drafted_lift
 from models.adoption.crawl import Crawl, _postures, find_crawl
 from models.errors import ModelError
@@ -35,12 +35,6 @@ def test_a_posture_unlike_left_and_right_is_worth_seven_tenths():
 def test_feet_are_lifted_by_0_3_rad_or_95_percent_of_the_room(room, lift, monkeypatch):
     monkeypatch.setattr(card_text, "lift_room", lambda pose, limbs: room)
     assert drafted_lift(None, []) == pytest.approx(lift)
-
-
-def test_a_motor_turns_its_rotor_at_700_rad_a_second_on_its_spring(monkeypatch):
-    servo = SimpleNamespace(stiffness=49.0)
-    monkeypatch.setattr(anatomy, "servo_for", lambda robot: servo)
-    assert fitting_rotor(None) == pytest.approx(49.0 / 700.0**2)
 
 
 def test_joints_keep_15_percent_of_their_range_from_its_ends_on_forty_steps():

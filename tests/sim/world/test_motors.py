@@ -72,6 +72,15 @@ def test_rotors_and_damping_that_a_file_gives_are_kept(tmp_path, scenario):
     assert not [*changes(robot, scenario())]
 
 
+def test_a_fitting_motor_turns_its_rotor_at_700_rad_a_second_on_its_spring(
+    hexapod, monkeypatch
+):
+    monkeypatch.setattr(motors, "servo_for", lambda _: SimpleNamespace(stiffness=49.0))
+    own = hexapod.model.dof_M0[hexapod.model.joint("lift_1").dofadr[0]]
+    share = motors.inertia_share(hexapod, hexapod.model, ["lift_1"])
+    assert share == pytest.approx(own / (49.0 / 700.0**2))
+
+
 def test_shipped_robots_have_rotors_of_their_own(hexapod, scenario):
     assert hexapod.joints_without_rotor == ()
     assert not [*changes(hexapod, scenario())]
