@@ -8,6 +8,7 @@ from typing import Any
 from jinja2 import Environment, FunctionLoader, StrictUndefined, Template
 from markupsafe import Markup, escape
 
+BREAK = Markup("_<wbr>")
 PLAIN = (".txt", ".md", ".h", ".ino")  # texts in which nothing needs to be escaped
 
 
@@ -32,18 +33,11 @@ def _environment() -> Environment:
         lstrip_blocks=True,
     )
     environment.filters["plain"] = Markup  # for our own SVG, style and script
-    environment.filters["breakable"] = _breakable
-    environment.filters |= {"to": format, "mm": _millimetres, "degrees": degrees}
+    # for names, which may go on in the next line after each underscore
+    environment.filters["breakable"] = lambda name: escape(name).replace("_", BREAK)
+    environment.filters["mm"] = lambda m, digits=1: f"{1e3 * m:z.{digits}f} mm"
+    environment.filters |= {"to": format, "degrees": degrees}
     environment.globals["inf"] = inf
     plainly = {"allow_nan": False, "separators": (",", ":")}
     environment.policies["json.dumps_kwargs"] = plainly
     return environment
-
-
-def _breakable(name: str) -> Markup:
-    """A name that may go on in the next line after each underscore."""
-    return escape(name).replace("_", Markup("_<wbr>"))
-
-
-def _millimetres(metres: float, digits: int = 1) -> str:
-    return f"{1e3 * metres:z.{digits}f} mm"
