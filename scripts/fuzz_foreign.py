@@ -252,7 +252,10 @@ def _json(text: str, rng: random.Random) -> str:
 
 
 def _arrays(content: bytes, rng: random.Random) -> bytes:
-    """Arrays of a file, one of which has other values, another shape or type."""
+    """Arrays of a file, one of which has other values, another shape or type.
+
+    A header may declare another size than there is.
+    """
     with np.load(io.BytesIO(content)) as file:
         arrays = dict(file)
     name = rng.choice(list(arrays))
@@ -271,11 +274,6 @@ def _arrays(content: bytes, rng: random.Random) -> bytes:
         )
     if rng.random() < 0.1:
         del arrays[name]
-    return _packed(arrays, rng)
-
-
-def _packed(arrays: dict[str, np.ndarray], rng: random.Random) -> bytes:
-    """An npz file, in which a header may declare another size than there is."""
     out = io.BytesIO()
     np.savez(out, **arrays)  # type: ignore[arg-type]
     content = out.getvalue()
