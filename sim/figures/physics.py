@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator, Mapping, MutableSequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import partial
 from multiprocessing import active_children, get_context, parent_process
 from multiprocessing.process import BaseProcess
 from threading import Thread
@@ -130,9 +131,7 @@ def _end_as_well(parent: BaseProcess) -> None:
 
 
 def _perform(job: Job, number: int) -> Walked:
-    def report(part: float) -> None:
-        _walked[number] = part
-
+    report = partial(_walked.__setitem__, number)
     made = perform(job, report)
     report(1.0)
     return made
