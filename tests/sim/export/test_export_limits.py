@@ -113,10 +113,11 @@ def test_commands_are_ahead_of_what_a_joint_can_by_half_a_radian_at_most(
     """And joints that turn without end by two turns from the middle."""
     commands = ServoCommands(("hip",), 50.0, np.array([[0.0], [farthest + off]]))
     monkeypatch.setattr(source, "taken", lambda *_: commands)
+    monkeypatch.setattr(source, "actuators_driving", lambda *_: (0,))
     joint = SimpleNamespace(limited=limited, range=(-0.5, 0.5))
     run = SimpleNamespace(commands={"ctrl": None}, folder="runs/it")
     given = SimpleNamespace(
-        run=run, servo=SimpleNamespace(rate=0.0), joints=("hip",), actuators=(0,),
+        run=run, servo=SimpleNamespace(rate=0.0), joints=("hip",),
         timestep=0.001, model=SimpleNamespace(joint=lambda name: joint),
     )  # fmt: skip
     if taken:

@@ -210,10 +210,11 @@ def test_commands_far_beyond_what_a_joint_turns_are_refused(
     """Beyond its range by more than it lags behind, or beyond all turns without one."""
     found = SimpleNamespace(angles=np.array([[-most], [most]]))
     monkeypatch.setattr(source, "taken", lambda *given: found)
+    monkeypatch.setattr(source, "actuators_driving", lambda *given: None)
     joint = SimpleNamespace(range=np.array([-0.5, 0.5]), limited=limited)
     run = SimpleNamespace(commands={"ctrl": None}, folder="walk")
     own = SimpleNamespace(
-        run=run, joints=("j",), actuators=None, servo=SimpleNamespace(rate=50.0),
+        run=run, joints=("j",), servo=SimpleNamespace(rate=50.0),
         timestep=0.001, model=SimpleNamespace(joint=lambda name: joint),
     )  # fmt: skip
     if not refused:
@@ -230,13 +231,13 @@ def test_a_table_that_begins_later_has_the_rate_of_its_rows():
     assert commands.angles.tolist() == [[0.1], [0.2], [0.3]]
 
 
-def test_rates_that_leave_a_single_command_are_refused():
+def test_rates_that_leave_a_single_command_are_refused(monkeypatch):
+    monkeypatch.setattr(source, "actuators_driving", lambda *_: np.array([0]))
     joint = SimpleNamespace(limited=False)
     own = SimpleNamespace(
         run=SimpleNamespace(commands={"ctrl": np.zeros((1000, 1))}),
         servo=SimpleNamespace(rate=0.0),
         joints=("a",),
-        actuators=np.array([0]),
         timestep=0.001,
         steps=1000,
         model=SimpleNamespace(joint=lambda name: joint),

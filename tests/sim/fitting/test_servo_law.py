@@ -9,6 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from models import load
+from models.description import actuators_driving
 from sim.fitting import servo_law
 from sim.fitting.fitting import servos
 from sim.fitting.servo_law import Commanded, known_servos, on_floor, on_stand
@@ -258,7 +259,7 @@ def test_a_robot_goes_to_its_first_row_and_stands_before_the_log_begins(standing
     rows, dt = np.concatenate(asked), model.opt.timestep
     start = model.key("start").ctrl
     there = log.commanded[0] + 0.01
-    actuators = servo_law._servos(setup, log)
+    actuators = actuators_driving(setup.model, log.joints)
     before = round((GOING + SETTLING) / dt)
     assert len(rows) == before + round(log.duration / dt) + 1
     assert rows[0] == pytest.approx(start)
