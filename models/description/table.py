@@ -7,6 +7,7 @@ import json
 import re
 import tomllib
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from itertools import takewhile
 from math import inf
 from reprlib import repr as shortened
 from typing import Any, TypeVar
@@ -53,9 +54,20 @@ def toml_text(text: str) -> str:
 
 
 def without_tables(text: str, headers: re.Pattern[str]) -> str:
-    """TOML without the tables whose lines of brackets match; comments above stay."""
+    """TOML without the tables whose lines of brackets match; comments above stay.
+
+    So do those at the end of such a table, which are above the next one.
+    """
     tables = re.split(r"^(?=[ \t]*\[)", text, flags=re.M)
-    return "".join(table for table in tables if not headers.match(table)).rstrip()
+    kept = (_remarks(table) if headers.match(table) else table for table in tables)
+    return "".join(kept).rstrip()
+
+
+def _remarks(table: str) -> str:
+    """The comments with which a table ends."""
+    lines = reversed(table.splitlines(keepends=True))
+    own = takewhile(lambda line: line.lstrip().startswith("#"), lines)
+    return "".join(reversed([*own]))
 
 
 def toml_key(name: str) -> str:

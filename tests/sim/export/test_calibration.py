@@ -256,9 +256,10 @@ def test_a_card_keeps_what_is_not_of_single_servos(calibrate):
     ],
 )
 def test_tables_are_replaced_however_their_headers_are_written(calibrate, row, header):
-    card = stranger(f"{header}\n{row}\n")
+    card = stranger(f"{header}\n{row}\n# of mine\n[fitted]\n")
     assert calibrate(Board(5).owner(stop=5), "own.xml") == 2
-    assert header not in card.read_text()
+    assert header not in (text := card.read_text())
+    assert "# of mine\n[fitted]\n" in text
     kept = load("own.xml").card
     if "clock" in row:
         assert kept.board_clock == 25.5e6
