@@ -1,10 +1,13 @@
 """The phases of a walk as they were carried out, and flows.csv, which lists them."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from math import pi
 from typing import Any, NamedTuple, get_args, get_type_hints
 
+import numpy as np
+
 from models import Card
+from planner import Array
 from sim.folder import csv_rows, csv_text
 from sim.motion.schedule import Kind
 
@@ -30,6 +33,7 @@ KINDS = get_type_hints(WalkedPhase) | {
 }
 COLUMNS = ("index", *WalkedPhase._fields)
 LARGEST = 1e9  # number, and more segments than any walk has
+MOMENT = 1e-5  # of a second, and of the walk: models keep six digits of a timestep
 SHORTEST_PHASE = 0.5e-6  # [s]; a phase lasts a step of physics or more
 FARTHEST = 4 * pi  # [rad] that a joint of a leg moves in a phase
 
@@ -81,6 +85,23 @@ def require_known(phases: Iterable[WalkedPhase], card: Card) -> None:
         if not (stands and swings and _some(p.group, groups) and abs(p.amount) <= most):
             line = ",".join(map(str, p))
             raise ValueError(f"flows.csv has what its robot does not do, {line[:80]}")
+
+
+def require_times(
+    phases: Sequence[WalkedPhase], phase: Array, time: Array, commanded: Array
+) -> None:
+    """Refuse, with a ValueError, rows at times other than those of their phases.
+
+    Rows are in the phases of those numbers (T,) at times (T,), commands at (N,) [s].
+    """
+    start, end = np.array([(p.start, p.end) for p in phases])[phase].T
+    whole = phases[-1].end
+    late, last, near = time - end, whole - time[-1], MOMENT * (1 + whole)
+    if max((start - time).max(), late.max(), last) > near:
+        raise ValueError("trajectory.npz has not the times of flows.csv")
+    clock = np.linspace(0.0, whole, len(commanded) + 1)
+    if np.abs(np.append(commanded, whole) - clock).max() > near:
+        raise ValueError("commands.npz has not the times of flows.csv")
 
 
 def _some(names: Iterable[str], known: Iterable[str]) -> bool:

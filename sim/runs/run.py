@@ -33,7 +33,6 @@ from sim.scenarios.settings import SETTINGS
 
 SURE = 2.146  # standard deviations of a normal point in the plane that hold 90 %
 NOMINAL_POINTS = 400  # of the nominal path as it is drawn
-MOMENT = 1e-6  # [s], within which times are the same
 PICTURED = 1e5  # [m] that a path leads; a picture has no numbers for a robot beyond
 PLACES = ("contact_point", "center_of_mass")  # arrays of points that are not poses
 START = "world_start_pose"  # array with the frame in which poses are given
@@ -285,14 +284,7 @@ def read_run(folder: Path, *, inspected: bool = False) -> Run:
                 raise ValueError("trajectory.npz has a row of a phase not in flows.csv")
             if not (np.diff(run.time) > 0).all():
                 raise ValueError("the rows of trajectory.npz are not in time's order")
-            start, end = np.array([(p.start, p.end) for p in run.phases])[run.phase].T
-            late, last = run.time - end, run.phases[-1].end - run.time[-1]
-            if max((start - run.time).max(), late.max(), last) > MOMENT:
-                raise ValueError("trajectory.npz has not the times of flows.csv")
-            told, step = run.commands["time"], run.scenario.timestep
-            off = np.append(told, run.phases[-1].end) - np.arange(len(told) + 1) * step
-            if np.abs(off).max() > MOMENT:
-                raise ValueError("commands.npz has not the times of flows.csv")
+            flows.require_times(run.phases, run.phase, run.time, run.commands["time"])
         weighed = run.summary.weighed
         if weighed and weighed.prediction not in [*run.predicted]:
             raise ValueError(f"unknown prediction {weighed.prediction!r}")

@@ -17,6 +17,7 @@ from sim.scenarios.settings import SETTINGS
 Table = Mapping[str, object]
 Seals = dict[str, str | None]
 CARD = "model.toml"  # beside model.xml, as a robot's card is
+MAKE = "servo"  # which the card says of all of them
 MODEL = "model.xml"  # whose seal waits until it was inspected
 FREE = {k for k, s in SETTINGS.items() if s.affects <= {"label", "film", "refusal"}}
 TOLD = ("seals", "timing")  # of summary.json; a film that is drawn takes time
@@ -33,16 +34,15 @@ def seals(folder: Path, *tables: Table, copies: Collection[str] = ()) -> Seals:
     sealed again, all but the model.
     """
     sealed = told if isinstance(told := tables[-1].get("seals"), Mapping) else {}
-    names = {*WHOLE, *map(str, sealed)} - {*TABLES, MODEL} | {*copies}
+    names = {*WHOLE, *map(str, sealed)} - {*TABLES, MODEL, MAKE} | {*copies}
     inside = [n for n in sorted(names) if n == normpath(n) and n[0] not in "./"]
-    scenario, card, summary = tables
-    servos: Any = card.get("servo", {})  # of which those of single joints are tables
+    servos: Any = tables[1].get("servo", {})  # those of single joints are tables
     make = {key: value for key, value in servos.items() if not isinstance(value, dict)}
-    card = {**card, "make": make} if make else card
-    named = zip(TABLES.items(), (scenario, card, summary), strict=True)
+    named = zip(TABLES.items(), tables, strict=True)
     found: Seals = {name: _seal_of_table(table, free) for (name, free), table in named}
-    if sealed and CARD not in sealed:  # as in earlier versions
-        del found[CARD]
+    found[MAKE] = _seal_of_table(make, ())
+    for name in {CARD, MAKE} - (sealed or found).keys():  # as in earlier versions
+        del found[name]
     room = LARGEST_SEALED
     for name in inside:
         found[name] = seal(folder / name, room)

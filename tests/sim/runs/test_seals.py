@@ -2,7 +2,7 @@
 
 import hashlib
 
-from sim.runs.seals import CARD, TABLES, WHOLE, seals
+from sim.runs.seals import CARD, MAKE, TABLES, WHOLE, seals
 
 COPIES = ["robot/mine.xml", "assets/leg.obj"]
 
@@ -12,7 +12,7 @@ def test_copies_of_a_robot_s_files_are_sealed_and_sealed_again(tmp_path):
         (tmp_path / name).parent.mkdir()
         (tmp_path / name).write_text(name)
     found = seals(tmp_path, {}, {}, {}, copies=COPIES)
-    assert set(found) == {*TABLES, *WHOLE, *COPIES}
+    assert set(found) == {*TABLES, MAKE, *WHOLE, *COPIES}
     for name in COPIES:
         assert found[name] == hashlib.sha256(name.encode()).hexdigest()[:16]
     (tmp_path / COPIES[1]).write_text("another leg")
@@ -31,6 +31,8 @@ def test_servos_may_be_mounted_anew_and_legs_may_not(tmp_path):
     anew = {"servo": servo, "board": {"clock": 26e6}, "description": "it"}
     sealed = seals(tmp_path, {}, card, {})
     assert seals(tmp_path, {}, card | anew, {}) == sealed
+    earlier = seals(tmp_path, {}, card, {"seals": {"model.toml": sealed[CARD]}})
+    assert earlier.keys() == sealed.keys() - {MAKE}
     other = {"servo": servo | {"kind": "mg996r"}}  # its commands would be others
     assert seals(tmp_path, {}, card | other, {}) != sealed
     assert seals(tmp_path, {}, card | {"lift_angle": 0.2}, {}) != sealed

@@ -247,7 +247,7 @@ def test_shards_are_merged_to_the_bytes_of_the_whole(swept, tmp_path):
         assert rows["point"].tolist() == [number - 1, number + 1]
     lacking = walked_here("merge", alone)
     assert lacking.returncode == 2
-    assert "or were walked with other files of the robot: 1, 3; " in lacking.stderr
+    assert "or were walked with other files of the robot: 1, 3: " in lacking.stderr
     on = f"stratawalk sweep FILE.toml --out {alone} --shard 2/2 --resume"
     assert on in lacking.stderr
     done = walked_here("merge", alone, beside, "--out", tmp_path / "both")
