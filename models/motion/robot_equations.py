@@ -103,7 +103,7 @@ def equations(robot: Robot, fields: Fields = "lifted") -> Equations:
     contacts = tuple((name, name) for name in card.strata)
     # a robot that rows in patterns on all feet is centred by stepping in between
     centred: StanceRule = "stepped" if card.patterns else "centred"
-    elements = _elements(robot, swings, fields)  # of which there are none for most
+    elements = _elements(robot, swings, fields)  # before all fields are made
     return Equations(
         system=walking_system(robot.groups, contacts, swings, radius=kinematics.reach),
         elements=elements,

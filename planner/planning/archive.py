@@ -23,7 +23,7 @@ from planner.systems.strata import StratifiedSystem
 
 Table = Mapping[str, Any]
 
-MOST_BYTES = 5 * 10**7  # of a plan, in memory twenty times as many
+MOST_BYTES = 5 * 10**7  # of a plan
 FORMAT = "stratified plan, version 2"
 MOST_FLOWS = 250_000  # of a plan, which take ten seconds and 1.5 GB where it is shown
 WRONG = KeyError, TypeError, AttributeError, ValueError, OverflowError, StratumError

@@ -35,12 +35,13 @@ SKETCH, SCRIPT, PAGE, SHEET = "jog.ino", "bus.py", "index.html", "feet.svg"
 def calibrate(options: argparse.Namespace) -> None:
     """Ask for what is not known yet, and write the card; or write strokes to check."""
     robot = cli.robot_of(options, options.robot)
-    kind = _kind(robot)
     folder = RunFolder(ensure_folder(out := Path(options.out)))
-    if not any((out / tool).exists() for tool in (SKETCH, SCRIPT)):
-        for name in [PAGE, SHEET] * (not options.check):
+    begun = [{SKETCH}, {SCRIPT}, {PAGE, SHEET}] * (not options.check)
+    if begun and not any(all((out / n).exists() for n in names) for names in begun):
+        for name in PAGE, SHEET:
             require_free(out / name, "--out")
     robot = _owned(robot, folder, options)
+    kind = _kind(robot)
     if options.check:
         facts = _check(robot, kind, folder)
     else:

@@ -65,7 +65,7 @@ def fit(options: argparse.Namespace) -> None:
     if options.out is not None:
         text = fitting.card_text(setup.robot, fitted, options.sources)
         parts["written"] = fitting.write_card(setup.robot, Path(options.out), text)
-        earlier = setup.robot.card.fitted.keys() - fitted.keys() & SETTINGS.keys()
+        earlier = (setup.robot.card.fitted.keys() - fitted.keys()) & SETTINGS.keys()
         if lost := ", ".join(sorted(earlier)):
             cli.notice(f"{lost} of an earlier fit: copy to {options.out} what holds")
     settings = {key: {"value": v, "error": e} for key, (v, e) in fitted.items()}

@@ -62,7 +62,9 @@ def sweep(options: argparse.Namespace) -> ExitCode:
         if first is None:
             first = done  # which count for no pace
             if not options.json:
-                say(f"{_points(count)}, {done} of them done before", 1)
+                other = folder.ledger.exists() and not done
+                why = "; its ledger has no result of these robots and settings"
+                say(f"{_points(count)}, {done} of them done before{why * other}", 1)
         about = f"points, {done} of {count} done, {failed} failed"
         progress(about, (done - first) / max(count - first, 1))
 

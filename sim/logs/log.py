@@ -214,6 +214,8 @@ def _log(
         elif angles == "degrees" and (joint in joints or name in ANGLES):
             columns[name] = np.radians(numbers)
     start, done = time - time[0], [*_said_of_clock(time)]
+    parts = ((c, c.removeprefix(MEASURED).removesuffix(".error")) for c in columns)
+    done += (f"{c} is left out; there is no {b}" for c, b in parts if b not in columns)
     asked = np.stack([_bridged(start, columns[j], j, done) for j in commanded], axis=1)
     for name, numbers in columns.items():
         row = int(np.nanargmax(np.abs(numbers)))
@@ -241,9 +243,8 @@ def _log(
 
 def _check_time(time: Array) -> None:
     """Refuse times [s] that are missing, do not ascend, or last too long."""
-    if not np.isfinite(time).all():
-        row = int(np.isfinite(time).argmin()) + 1
-        raise ValueError(f"no time in row {row}; give each row its time [s]")
+    if not (known := np.isfinite(time)).all():
+        raise ValueError(f"no time in row {known.argmin() + 1}; give each its time [s]")
     if (back := np.diff(time) < 0.999 * SHORTEST_STEP).any():  # rounded
         row = int(back.argmax())
         facts = {"before": time[row], "after": time[row + 1], "row": row + 2}
@@ -283,8 +284,7 @@ def _stacked(columns: Mapping[str, Array], names: Sequence[str]) -> Array | None
     """Some columns, those that are missing without numbers; None if all are."""
     if not (found := [columns[name] for name in names if name in columns]):
         return None
-    empty = np.full(len(found[0]), nan)
-    return np.stack([columns.get(name, empty) for name in names], axis=1)
+    return np.stack([columns.get(name, nan * found[0]) for name in names], axis=1)
 
 
 def written(log: Log) -> str:

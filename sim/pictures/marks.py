@@ -48,8 +48,10 @@ def marks(walk: Run, clock: Clock, frames: range) -> tuple[Mark, ...]:
     dash, width = DASH * walk.reach, NOMINAL.width * walk.reach
     nominal = dashes(walk.nominal[:, :2], dash, width)
     end, first, radius = walk.nominal[-1:, :2], [0], palette.GOAL * walk.reach
-    robot = Solids(walk.model, root_body(walk.model, walk.model_file))
-    covered = swept(robot, walk, clock) if walk.scenario.obstacles else join([])
+    covered = join([])
+    if walk.scenario.obstacles:
+        robot = Solids(walk.model, root_body(walk.model, walk.model_file))
+        covered = swept(robot, walk, clock)
     drawn = (
         Mark("contours of the floor", contours(walk), palette.RELIEF),
         Mark("floor swept over", covered, palette.SWEPT),

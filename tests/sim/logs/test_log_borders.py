@@ -110,6 +110,20 @@ def test_steps_that_vary_by_a_twentieth_are_mentioned(read, jitter):
         assert f"by {1e3 * steps.std():.2g} ms around 100 ms" in said[0]
 
 
+@pytest.mark.parametrize(
+    ("column", "lacks"),
+    [
+        ("measured.lift_1", "lift_1"),
+        ("body.x.error", "body.x"),
+        ("measured.hip_1", None),
+        ("body.yaw", None),
+    ],
+)
+def test_what_was_measured_of_nothing_is_left_out_with_a_word(read, column, lacks):
+    said = [f"{column} is left out; there is no {lacks}"] if lacks else []
+    assert [*read(f"time,hip_1,{column}\n0,0,0\n1,0,0\n").done] == said
+
+
 def test_empty_cells_are_bridged_evenly_and_held_beyond_the_ends(read):
     said = "hip_1: empty cells bridged, or held at an end, {}; {} s at most"
     cells = ["", "1", "", "", "2", "3", ""]

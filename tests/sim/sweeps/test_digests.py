@@ -8,6 +8,7 @@ from sim.scenarios.body_path import line
 from sim.scenarios.file import to_table
 from sim.sweeps.ledger import digest
 from sim.sweeps.worker_pool import Task
+from tests.sweeps import walked_here, write_sweep
 
 
 def test_a_point_is_another_one_if_a_file_that_its_model_includes_changes(
@@ -76,3 +77,18 @@ def test_no_file_is_read_into_memory_whatever_its_size(scenario, tmp_path):
     os.truncate(log, 3 * 10**9)
     with pytest.raises(OSError, match="larger than 1000 MB"):
         digest(scenario(motion=str(log)), ())
+
+
+@pytest.mark.physics
+def test_a_sweep_goes_on_with_a_word_where_its_robot_has_become_another(
+    edited, tmp_path
+):
+    robot = edited().path
+    file = write_sweep(tmp_path, f'[grid]\nrobot = ["{robot}"]\n')
+    words, first = ("sweep", file, "--out", tmp_path / "out"), "1 point, 0 of them done"
+    assert walked_here(*words).stdout.startswith(f"{first} before\n")
+    robot.write_text(f"{robot.read_text()}<!-- heavier -->\n")
+    said = walked_here(*words, "--resume").stdout.splitlines()[0]
+    assert (
+        said == f"{first} before; its ledger has no result of these robots and settings"
+    )
