@@ -85,10 +85,10 @@ def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | No
         what = f"{first!r} is neither a robot nor a run, and a log names no robot"
         raise UsageError(what, "fit", f"name it: {command('fit', 'hexapod', first)}")
     run = runs.get(paths[0])
-    for path, other in runs.items():
-        if run and other.card != run.card:
-            raise UsageError.of("other_robot", path, first=first)
     robot = cli.robot_of(options, run.scenario.robot if run and not named else first)
+    for path, other in runs.items():
+        if other.card != (run.card if run and not named else robot.card):
+            raise UsageError.of("other_robot", path, first=first)
     settings = cli.settings_of(options)
     if run and settings:
         raise UsageError.of("knows_settings", paths[0])

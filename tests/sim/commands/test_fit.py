@@ -95,19 +95,26 @@ def refused(*given, **changes):
     return caught.value.what, caught.value.where
 
 
-def test_a_run_is_of_its_own_robot_unless_another_is_named(monkeypatch, tmp_path):
+def test_a_run_is_of_its_own_robot_and_fits_no_other(monkeypatch, tmp_path):
     monkeypatch.setattr(
         command,
         "read_run",
         lambda _: SimpleNamespace(scenario=SimpleNamespace(robot="quadruped"), card=1),
     )
     loaded = []
-    monkeypatch.setattr(command.cli, "robot_of", lambda _, name: loaded.append(name))
+
+    def robot_of(_, name):
+        loaded.append(name)
+        return SimpleNamespace(card={"quadruped": 1, "hexapod": 2}[name])
+
+    monkeypatch.setattr(command.cli, "robot_of", robot_of)
     again = "a run knows its settings", str(tmp_path)
     slow = {"set": ["swing_speed=0.1"]}
     assert refused(str(tmp_path), **slow) == again
-    assert refused("hexapod", str(tmp_path), **slow) == again
-    assert loaded == ["quadruped", "hexapod"]
+    assert refused("quadruped", str(tmp_path), **slow) == again
+    other = "it was walked by another robot than hexapod", str(tmp_path)
+    assert refused("hexapod", str(tmp_path)) == other
+    assert loaded == ["quadruped", "quadruped", "hexapod"]
 
 
 @pytest.mark.parametrize("walking", [None, True, False])
