@@ -4,13 +4,14 @@ import json
 import resource
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
 from pyarrow import parquet
 
-from planner.support import open_file
+from planner.support import read_file
 from sim.endings import command
 from sim.errors import UsageError
 from sim.folder import whole
@@ -19,11 +20,12 @@ from sim.sweeps.folder import UNREADABLE
 
 GROUP_ROWS = 10_000  # any other number gives other bytes
 UNPACKED = 5 * 10**8  # bytes of a table that is read, with all that it repeats once
-TEXT = 5  # times as much memory is taken by a byte of text
+TEXT = 4  # times as much memory is taken by a byte of text besides
 HEAD = 365  # bytes of a column without values
 MOST_VALUES, MOST_ROWS = 4 * 10**7, 200_000  # of 8 legs there are 144,088 designs
 MEMORY = 10**9  # bytes of addresses that reading one may take, beside those reserved
 ABOUT = "stratawalk"  # key of the metadata
+SEAL, DIGITS = b"seal of this table: ", 64  # before the digest, and of it
 Row = Mapping[str, object]
 
 
@@ -36,11 +38,24 @@ def write_table(
     """
     names = list(dict.fromkeys(name for row in rows for name in row))
     columns = [_column([row.get(name) for row in rows]) for name in names]
-    metadata = {ABOUT: json.dumps(about, sort_keys=True)}
+    seal = SEAL + DIGITS * b"0"
+    metadata = {ABOUT: json.dumps(about, sort_keys=True), "seal": seal}
     table = pa.table(columns, names=names).replace_schema_metadata(metadata)
     size = table.nbytes // 4 + HEAD * table.num_columns
     with whole(path, size, new=new) as part:
         parquet.write_table(table, part, compression="zstd", row_group_size=GROUP_ROWS)
+        place, digest = _seal(part.read_bytes())
+        with part.open("r+b") as file:
+            file.seek(place)
+            file.write(digest)
+
+
+def _seal(content: bytes) -> tuple[int, bytes]:
+    """Where the digest of a table stands, and what that of all other bytes is."""
+    at, parts = content.rindex(SEAL) + len(SEAL), memoryview(content)
+    digest = sha256(parts[:at])
+    digest.update(parts[at + DIGITS :])
+    return at, digest.hexdigest().encode()
 
 
 def read_table(path: Path) -> tuple[dict[str, list[object]], dict[str, Any]]:
@@ -59,24 +74,31 @@ def read_table(path: Path) -> tuple[dict[str, list[object]], dict[str, Any]]:
             two = command("compare", *(run.parent for run in runs[-2:]))
             remedy = f"runs are compared: {two}"
         raise UsageError("no such table", str(path), remedy)
-    open_file(path).close()  # which says why it may not be
+    content = read_file(path, UNPACKED)
     try:
-        declared = parquet.read_metadata(path)
+        if SEAL in content:  # other programs leave it out
+            place, digest = _seal(content)
+            if content[place : place + DIGITS] != digest:
+                raise ValueError("it was changed after it was written")
+        first = parquet.ParquetFile(pa.BufferReader(content))
+        declared, schema = first.metadata, first.schema_arrow
         groups = map(declared.row_group, range(declared.num_row_groups))
-        parts = [g.column(n) for g in groups for n in range(declared.num_columns)]
-        sizes = [(p.total_uncompressed_size, p.physical_type) for p in parts]
-        sizes.append((declared.serialized_size, "BYTE_ARRAY"))
-        size = sum(n * (TEXT if kind == "BYTE_ARRAY" else 1) for n, kind in sizes)
+        size = declared.serialized_size + sum(g.total_byte_size for g in groups)
+        numbers = sum(pa.types.is_primitive(field.type) for field in schema)
+        size += TEXT * max(
+            size - 8 * declared.num_rows * numbers, 0
+        )  # the rest is text
         most = MOST_VALUES // max(declared.num_columns, 1)
         if size > UNPACKED or declared.num_rows > min(most, MOST_ROWS):
             count = f"{declared.num_rows} x {declared.num_columns} values"
             raise ValueError(f"{count} with {size / 1e9:.2g} GB are too many")
-        schema = parquet.read_schema(path)
         if lists := {str(f.type) for f in schema if pa.types.is_nested(f.type)}:
             raise ValueError(f"columns of {min(lists)[:40]} are none of a sweep")
         texts = [f.name for f in schema if f.type in (pa.string(), pa.large_string())]
-        with _bounded(), parquet.ParquetFile(path, read_dictionary=texts) as file:
+        source = pa.BufferReader(content)
+        with _bounded(), parquet.ParquetFile(source, read_dictionary=texts) as file:
             table = file.read(use_threads=False)  # others would go on after an error
+        table.validate(full=True)
         about = json.loads((table.schema.metadata or {}).get(ABOUT.encode(), "null"))
         columns = {name: _values(table[name]) for name in table.column_names}
     except (pa.ArrowException, OSError, MemoryError, *UNREADABLE) as error:
