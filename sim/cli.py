@@ -28,11 +28,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     gl.choose()
     with interruption.listening():
         try:
-            code = _execute(words)
-            print(end="", flush=True)  # a reader that left must be noticed here
-        except BaseException as error:  # a user's own Python may raise anything
+            return _ended(words)
+        except KeyboardInterrupt as error:  # which came while another was told
             return _fail(interruption.meant(error), words)
-        return code
+
+
+def _ended(words: Sequence[str]) -> int:
+    try:
+        code = _execute(words)
+        print(end="", flush=True)  # a reader that left must be noticed here
+    except BaseException as error:  # a user's own Python may raise anything
+        return _fail(interruption.meant(error), words)
+    return code
 
 
 def _execute(words: Sequence[str]) -> int:

@@ -48,6 +48,8 @@ UNITS = {
 SHEET_HEIGHT = 3.2  # [in]
 LONGEST_LABEL = 60  # letters
 MOST_LABELS = 200  # at an axis
+MOST_READ = 40  # of those, beside one another
+MOST_SQUARES = 256  # with a number in each; more would neither be read nor drawn soon
 EXTREMES = 5  # points among the best, and among the worst
 
 
@@ -165,7 +167,8 @@ def _draw_map(axes: "Axes", results: Results, across: str, up: str) -> None:
     axes.set_title(f"farthest from the {results.label} prediction, % of the path{note}")
     shades = _shades(results)
     colours = {place: shades[results.classes[i]] for place, i in worst.items()}
-    if not all(_is_table(results.columns[key]) for key in (across, up)):
+    named = all(_is_table(results.columns[key]) for key in (across, up))
+    if not named or len(worst) > MOST_SQUARES:
         size = float(np.clip(9000 / len(worst), 9, 260))
         fills = [colour.hex for colour in colours.values()]
         at, high = zip(*worst, strict=True)
@@ -221,7 +224,9 @@ def _place(axes: "Axes", results: Results, key: str, way: str) -> list[float]:
         if len(labels) > MOST_LABELS:
             facts = {"count": len(labels), "key": key, "most": MOST_LABELS}
             raise UsageError.of("labels", "the table", **facts)
-        getattr(axes, f"set_{way}ticks")(range(len(labels)), labels)
+        every = len(labels) // MOST_READ + 1
+        ticks = range(0, len(labels), every)
+        getattr(axes, f"set_{way}ticks")(ticks, labels[::every])
         getattr(axes, f"set_{way}lim")(-0.5, len(labels) - 0.5)
         return [float(labels.index(_label(value))) for value in values]
     numbers = np.array(values, dtype=float)

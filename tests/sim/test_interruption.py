@@ -263,3 +263,14 @@ def test_whoever_counted_time_before_is_back_when_a_block_ends(before):
         assert signal.getitimer(signal.ITIMER_PROF) == (0.0, 0.0)
     finally:
         signal.signal(signal.SIGPROF, kept)
+
+
+def test_a_signal_that_comes_while_an_error_is_told_is_told_as_well(
+    monkeypatch, capsys
+):
+    """As a terminal that is gone ends the input first, and hangs up then."""
+    told = iter([lambda _: signal.raise_signal(signal.SIGHUP), cli.last_words])
+    monkeypatch.setattr(cli, "last_words", lambda error: next(told)(error))
+    assert cli.main(["gallop"]) == 129
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "SIGHUP" in line

@@ -134,6 +134,25 @@ def test_a_map_has_a_square_for_each_place_with_the_worst_of_its_points(axes):
     assert labels == {"within 1 %: 1", "within 3 %: 1", "beyond: 1", "no walk: 1"}
 
 
+@pytest.mark.parametrize("side", [16, 17])
+def test_squares_have_numbers_while_these_can_be_read(axes, side):
+    places = [(a, b) for a in range(side) for b in range(side)]
+    a, b = ([f"word {k}" for k in along] for along in zip(*places, strict=True))
+    ((_, figure),) = figures(results([0.005] * side**2, a=a, b=b))
+    (drawn,) = figure.axes
+    assert len(drawn.texts) == len(drawn.patches) == (side**2 if side == 16 else 0)
+    (points,) = drawn.collections or [()]
+    assert len(points and points.get_offsets()) == (0 if side == 16 else side**2)
+
+
+@pytest.mark.parametrize(("count", "read"), [(39, 39), (40, 20), (200, 34)])
+def test_labels_at_an_axis_are_as_many_as_are_read(axes, count, read):
+    words = [f"word {k:03}" for k in range(count)]
+    _place(axes, SimpleNamespace(columns={"w": words}), "w", "x")
+    labels = [label.get_text() for label in axes.get_xticklabels()]
+    assert labels == words[:: -(-count // read)]
+
+
 def test_a_curve_has_all_points_in_per_cent_and_what_is_rounding_at_its_foot(axes):
     some = results([0.0, 0.02, None])
     _draw_curve(axes, some, "a")
