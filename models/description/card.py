@@ -22,7 +22,8 @@ from planner.support import require_known
 # [s]; with slower lifts the slip at lift-off and touchdown no longer decreases
 LIFT_TIME = 0.3
 QUICKEST_LIFT = 0.001  # [s]
-MOST_LEGS, MOST_OTHERS = 40, 1000  # the latter of groups, patterns, and a gait's strata
+MOST_LEGS, MOST_OTHERS = 40, 1000  # the latter of patterns, and of a gait's strata
+MOST_GROUPS, MOST_ROWING = 10, 8  # three postures each are combined; five in rowing
 OF_LOGS = ("measured.", "body.", "contact.")  # begin columns of logs
 CLOCKS = (20e6, 30e6)  # [Hz]; its data sheet's by a fifth more or less
 
@@ -186,9 +187,13 @@ class Card:
             raise ValueError(message("least_load", given=least))
 
     def _check_groups(self) -> None:
-        parts = {"strata": self.gait, "legs": self.legs, "groups": self.groups}
-        for what, some in (parts | {"patterns": self.patterns}).items():
-            if len(some) > (most := MOST_LEGS if what == "legs" else MOST_OTHERS):
+        for what, some, most in (
+            ("strata", self.gait, MOST_OTHERS),
+            ("legs", self.legs, MOST_LEGS),
+            ("groups", self.groups, MOST_ROWING if self.patterns else MOST_GROUPS),
+            ("patterns", self.patterns, MOST_OTHERS),
+        ):
+            if len(some) > most:
                 raise ValueError(f"{len(some)} {what}; {most} are the most")
         if odd := [n for n in self.groups if len(n) != 1 or not n.isalnum()]:
             raise ValueError(f"names of groups are a letter or digit each, got {odd}")

@@ -65,8 +65,10 @@ REFUSED = [
     (CARD, {"lift_time": 0.99e-3}, "lift_time must be 0.001 s or more"),
     (CARD, {"gait": ("ab", "a") * 500 + ("ab",)}, "1001 strata; 1000 are the most"),
     (CARD, {"legs": dict.fromkeys(range(1, 42), LEG)}, "41 legs; 40 are the most"),
-    *((CARD, {n: dict.fromkeys(range(1, 1002), part)}, f"1001 {n}; 1000 are the most")
-      for n, part in (("groups", GROUP), ("patterns", PATTERN))),
+    (CARD, {"patterns": dict.fromkeys(range(1001), PATTERN)}, "1001 patterns; 1000 a"),
+    *((CARD, {"groups": dict.fromkeys(range(n + 1), GROUP), "patterns": patterns},
+       f"{n + 1} groups; {n} are the most")
+      for n, patterns in ((10, {}), (8, {"p": PATTERN}))),
     (CARD, {"patterns": {f"p{n}": PATTERN for n in range(41)}},
      "patterns swing on 41 strata; 40 at most"),
     (CARD, {"gait": ("ab",)}, "gait ['ab'] does not close; it ends with the stratum"),
