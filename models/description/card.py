@@ -23,6 +23,7 @@ from planner.support import require_known
 LIFT_TIME = 0.3
 QUICKEST_LIFT = 0.001  # [s]
 MOST_LEGS, MOST_OTHERS = 40, 1000  # the latter of patterns, and of a gait's strata
+MOST_STRATA = 32  # of groups; three are compared with one another
 MOST_GROUPS, MOST_ROWING = 10, 8  # three postures each are combined; five in rowing
 OF_LOGS = ("measured.", "body.", "contact.")  # begin columns of logs
 CLOCKS = (20e6, 30e6)  # [Hz]; its data sheet's by a fifth more or less
@@ -218,6 +219,8 @@ class Card:
                 raise ValueError(message("order", what=what, ordered=ordered))
             if not stratum:
                 raise ValueError("gait: a stratum is empty, with no foot on the ground")
+        if (count := len({*self.gait})) > MOST_STRATA:
+            raise ValueError(f"{count} different strata; {MOST_STRATA} are the most")
 
     def _check_patterns(self) -> None:
         for name, pattern in self.patterns.items():

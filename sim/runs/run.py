@@ -35,6 +35,11 @@ SURE = 2.146  # standard deviations of a normal point in the plane that hold 90 
 NOMINAL_POINTS = 400  # of the nominal path as it is drawn
 PICTURED = 1e5  # [m] that a path leads; a picture has no numbers for a robot beyond
 PLACES = ("contact_point", "center_of_mass")  # arrays of points that are not poses
+TRAJECTORY, COMMANDS = "trajectory.npz", "commands.npz"
+NEEDED = {
+    TRAJECTORY: {"qvel", "contact", "slip", "achieved_margin", *PLACES},
+    COMMANDS: {"time", "ctrl"},
+}
 START = "world_start_pose"  # array with the frame in which poses are given
 
 
@@ -263,8 +268,8 @@ def read_run(folder: Path, *, inspected: bool = False) -> Run:
             card_text=card,
             summary=Summary.read(summary),
             phases=flows.read(read_text(folder / "flows.csv")),
-            arrays=archive(folder, "trajectory.npz", feet, (START,), not inspected),
-            commands=archive(folder, "commands.npz", feet, (), not inspected),
+            arrays=archive(folder, TRAJECTORY, feet, (START,), not inspected),
+            commands=archive(folder, COMMANDS, feet, (), not inspected),
             stops=read_stops(read_text(stops)) if stops.exists() else (),
             inspected=inspected,
         )
@@ -273,8 +278,9 @@ def read_run(folder: Path, *, inspected: bool = False) -> Run:
         _ = run.obstacles  # which say in time what is wrong, as the path does
         if (far := np.abs(run.nominal[:, :2]).max()) > PICTURED:
             raise ValueError(f"its path leads {far:.3g} m away")
-        if lacks := {"time", "ctrl"}.difference(run.commands):
-            raise KeyError(f"{min(lacks)} in commands.npz")
+        for file, arrays in (TRAJECTORY, run.arrays), (COMMANDS, run.commands):
+            if lacks := NEEDED[file].difference(arrays):
+                raise KeyError(f"{min(lacks)} in {file}")
         if not inspected:
             about = description.parse_toml(card)
             run.require_sealed(seals(run.folder, run.settings, about, summary))

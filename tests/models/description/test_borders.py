@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from itertools import combinations
 from math import inf, nan, nextafter
 
 import pytest
@@ -21,6 +22,11 @@ CARD = Card(
     groups={"a": GroupCard({1: 1}), "b": GroupCard({2: 1})},
     gait=("ab", "a", "ab"),
 )
+MANY = {  # 33 strata of six groups
+    "legs": {n: LegCard(f"s{n}", f"l{n}", (f"f{n}",)) for n in range(1, 7)},
+    "groups": {g: GroupCard({n: 1}) for n, g in enumerate("abcdef", 1)},
+    "gait": ["".join(s) for k in (6, 5, 4, 3) for s in combinations("abcdef", k)][:33],
+}
 PATTERN = PatternCard(("ab",), {"a": 1.0})
 LOW, HIGH = CLOCKS
 THIRD = 1 / 3
@@ -35,6 +41,7 @@ TAKEN = [
     (CARD, {"least_load": 0.0}), (CARD, {"least_load": nextafter(THIRD, 0)}),
     (CARD, {"gait": ("ab", "b", "ab")}), (CARD, {"gait": ("ab", "ab")}),
     (CARD, {"joint_servos": {"s1": JointServo()}}),
+    (CARD, MANY | {"gait": (*MANY["gait"][:32], "abcdef")}),
     (CARD, {"patterns": {"turn": PATTERN}}),
 ]  # fmt: skip
 REFUSED = [
@@ -71,6 +78,7 @@ REFUSED = [
       for n, patterns in ((10, {}), (8, {"p": PATTERN}))),
     (CARD, {"patterns": {f"p{n}": PATTERN for n in range(41)}},
      "patterns swing on 41 strata; 40 at most"),
+    (CARD, MANY | {"gait": (*MANY["gait"], "abcdef")}, "33 different strata; 32 are t"),
     (CARD, {"gait": ("ab",)}, "gait ['ab'] does not close; it ends with the stratum"),
     (CARD, {"gait": ("ab", "a")}, "gait ['ab', 'a'] does not close"),
     (CARD, {"gait": ("ab", "c", "ab")}, "gait: stratum 'c' stands on group 'c', which"),

@@ -124,11 +124,16 @@ def test_a_model_without_a_foot_of_the_card_is_refused(folder):
         film_folder(folder, stretch=(0.0, 1.0))
 
 
-def test_commands_without_their_times_are_none(folder):
-    path = folder / "commands.npz"
-    np.savez_compressed(path, ctrl=np.load(path)["ctrl"])
+@pytest.mark.parametrize(
+    ("file", "lacks"),
+    [("commands.npz", "time"), ("trajectory.npz", "center_of_mass")],
+)
+def test_a_run_without_what_every_run_has_is_none(folder, file, lacks):
+    with np.load(folder / file) as arrays:
+        kept = {name: arrays[name] for name in arrays if name != lacks}
+    np.savez_compressed(folder / file, **kept)
     sealed(folder)
-    with pytest.raises(UsageError, match="it lacks 'time in commands.npz'"):
+    with pytest.raises(UsageError, match=f"it lacks '{lacks} in {file}'"):
         read_run(folder)
 
 
