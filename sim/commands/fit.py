@@ -99,11 +99,13 @@ def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | No
     _check_logs(paths, logs, held)
     logs = [ordered(log, logs[0].joints) for log in logs]
     fitting.check_told(paths[0], logs)
+    setup = prepare(scenario, robot, log=None if run else logs[0])
+    posed = not held and (run is not None or logs[0].pose is not None)
+    if posed or options.walking:
+        fitting.check_steps(paths[0], logs, setup.limits.timestep)
     if run is not None:
-        return prepare(scenario, robot), logs, None if held else walked_of_run(run)
-    setup = prepare(scenario, robot, log=logs[0])
+        return setup, logs, walked_of_run(run) if posed else None
     try:
-        posed = logs[0].pose is not None and not held
         walked = walked_of_log(setup, logs[0]) if posed else None
     except ValueError as error:
         raise UsageError.at(str(paths[0]), error) from error

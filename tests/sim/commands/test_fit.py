@@ -24,6 +24,9 @@ class Course:
     in_force: bool = False
 
 
+SETUP = SimpleNamespace(limits=SimpleNamespace(timestep=0.001))
+
+
 def options(*sources, **changes):
     given = {"sources": [*sources], "out": None, "json": False, "walking": False}
     more = {"set": [], "allow_external": False, "units": "radians"}
@@ -127,7 +130,7 @@ def test_poses_of_a_run_on_a_stand_are_not_fitted(monkeypatch, tmp_path, walking
     monkeypatch.setattr(command.cli, "reader_of", lambda *_: None)
     monkeypatch.setattr(command.fitting, "check_measured", lambda *_: None)
     monkeypatch.setattr(command.fitting, "check_told", lambda *_: None)
-    monkeypatch.setattr(command, "prepare", lambda *_: None)
+    monkeypatch.setattr(command, "prepare", lambda *_, **__: SETUP)
     monkeypatch.setattr(command, "walked_of_run", lambda _: "walked")
     _, _, walked = command._sources(options(str(tmp_path), walking=walking))
     assert walked == (None if walking is False else "walked")
@@ -139,10 +142,10 @@ def test_poses_that_cannot_be_fitted_are_refused_with_their_log(monkeypatch, hex
     monkeypatch.setattr(command.fitting, "check_measured", lambda *_: None)
     monkeypatch.setattr(command.fitting, "check_told", lambda *_: None)
     monkeypatch.setattr(command, "scenario_of", lambda *_: None)
-    monkeypatch.setattr(command, "prepare", lambda *_, **__: "setup")
+    monkeypatch.setattr(command, "prepare", lambda *_, **__: SETUP)
 
     def walked(setup, first):
-        assert (setup, first.joints) == ("setup", log.joints)
+        assert (setup, first.joints) == (SETUP, log.joints)
         raise ValueError("time: too short")
 
     monkeypatch.setattr(command, "walked_of_log", walked)
@@ -153,7 +156,7 @@ def test_poses_that_cannot_be_fitted_are_refused_with_their_log(monkeypatch, hex
         command.cli, "reader_of", lambda *_: lambda _: logged(measured=np.ones((2, 2)))
     )
     setup, _, walked = command._sources(options("hexapod", "log.csv"))
-    assert (setup, walked) == ("setup", None)
+    assert (setup, walked) == (SETUP, None)
 
 
 def logged(*joints, **measured):
@@ -180,7 +183,7 @@ def test_logs_of_one_fit_are_brought_into_one_order_and_none_is_passed_over(
         (command, "scenario_of"),
         (command, "prepare"),
     ):
-        monkeypatch.setattr(place, name, lambda *_, **__: None)
+        monkeypatch.setattr(place, name, lambda *_, **__: SETUP)
     monkeypatch.setattr(command, "walked_of_log", lambda *_: "walked")
     _, found, walked = command._sources(options("hexapod", "joints", "turned"))
     assert [log.joints for log in found] == [("a", "b")] * 2

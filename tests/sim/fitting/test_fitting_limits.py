@@ -1,6 +1,7 @@
 """Which rows are fitted, and what is too small to be found."""
 
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,7 +11,7 @@ from sim.cli import main
 from sim.commands.fit import _check_logs
 from sim.errors import UsageError
 from sim.fitting.estimate import Estimates, Parameter, _in_words
-from sim.fitting.fitting import JointFit, _rows
+from sim.fitting.fitting import JointFit, _rows, check_steps
 from sim.fitting.poses import BODY, PoseFit
 from tests.sim.fitting.test_servos import classroom_log
 
@@ -32,6 +33,16 @@ def test_more_angles_than_memory_is_lent_for_are_refused(monkeypatch):
     log.duration = 0.2  # however few its rows are
     with pytest.raises(UsageError, match="too long to fit"):
         _check_logs(["a"], [log], held=False)
+
+
+@pytest.mark.parametrize(("timestep", "many"), [(0.001, False), (0.0009, True)])
+def test_ten_minutes_of_walking_are_fitted_at_a_thousand_steps_a_second(timestep, many):
+    logs = [SimpleNamespace(duration=seconds) for seconds in (600.0, 1.0)]
+    if not many:
+        check_steps(Path("a"), logs, timestep)
+        return
+    with pytest.raises(UsageError, match=r"6.67e\+05 steps of physics, 650000 are the"):
+        check_steps(Path("a"), logs, timestep)
 
 
 def estimates(parameters, value, error):
