@@ -23,6 +23,7 @@ THICKNESS = 0.02  # of a wall [m], if it says nothing
 OBSTACLE_HEIGHT = 0.12  # [m], above the shipped robots
 FARTHEST = 1e3  # [m] from the start
 MOST_CORNERS = 3000  # of all obstacles, which take seconds to compile
+MOST_PAIRS = 4 * 10**5  # of their sides near one another; ten seconds, half a gigabyte
 SMALLEST_SIZE = 1e-4  # [m]; smaller sizes are taken for mistakes
 
 Coordinate = Annotated[float, declaration.Range(-FARTHEST, FARTHEST)]
@@ -90,7 +91,22 @@ def decode(tables: object) -> tuple[Obstacle, ...]:
     corners = sum(len(one) if declaration.is_list(one) else 1 for one in points)
     if corners > MOST_CORNERS:
         raise UsageError.of("corners", "obstacles", count=corners, most=MOST_CORNERS)
-    return tuple(_decode(table, f"obstacle {i}") for i, table in enumerate(tables, 1))
+    found = [_decode(table, f"obstacle {i}") for i, table in enumerate(tables, 1)]
+    if found:
+        _require_few_crossings(found)
+    return tuple(found)
+
+
+def _require_few_crossings(obstacles: Sequence[Obstacle]) -> None:
+    """Refuse outlines that may cross so often that the floor between has many parts."""
+    lines = [dict(o.given).get("points", o.pieces[0].corners) for o in obstacles]
+    sides = [np.stack([line, np.roll(line, -1, axis=0)], axis=1) for line in lines]
+    edges, pairs = shapely.linestrings(np.concatenate(sides)), 0
+    tree = shapely.STRtree(edges)
+    for edge in edges:
+        pairs += len(tree.query(edge))  # itself, and those whose bounds meet its own
+        if pairs > MOST_PAIRS:
+            raise UsageError.of("crossings", "obstacles")
 
 
 def encode(obstacle: Obstacle) -> dict[str, object]:
