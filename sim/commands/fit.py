@@ -86,9 +86,14 @@ def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | No
         raise UsageError(what, "fit", f"name it: {command('fit', 'hexapod', first)}")
     run = runs.get(paths[0])
     robot = cli.robot_of(options, run.scenario.robot if run and not named else first)
-    for path, other in runs.items():
-        if other.card != (run.card if run and not named else robot.card):
+    worlds = {path: dict(other.scenario.key("world")) for path, other in runs.items()}
+    for path, world in worlds.items():
+        if runs[path].card != (run.card if run and not named else robot.card):
             raise UsageError.of("other_robot", path, first=first)
+        one, known = next(iter(worlds.items()))
+        differ = [name for name, value in known.items() if world[name] != value]
+        if odd := {*differ} - {"motion", "robot"}:  # files of each folder
+            raise UsageError.of("other_world", path, name=min(odd), first=one)
     settings = cli.settings_of(options)
     if run and settings:
         raise UsageError.of("knows_settings", paths[0])

@@ -99,7 +99,8 @@ def decode(tables: object) -> tuple[Obstacle, ...]:
 
 def _require_few_crossings(obstacles: Sequence[Obstacle]) -> None:
     """Refuse outlines that may cross so often that the floor between has many parts."""
-    lines = [dict(o.given).get("points", o.pieces[0].corners) for o in obstacles]
+    given = (dict(o.given).get("points", o.pieces[0].corners) for o in obstacles)
+    lines = [np.array(line, dtype=float) for line in given]
     sides = [np.stack([line, np.roll(line, -1, axis=0)], axis=1) for line in lines]
     edges, pairs = shapely.linestrings(np.concatenate(sides)), 0
     tree = shapely.STRtree(edges)

@@ -80,21 +80,7 @@ def read_table(path: Path) -> tuple[dict[str, list[object]], dict[str, Any]]:
             place, digest = _seal(content)
             if content[place : place + DIGITS] != digest:
                 raise ValueError("it was changed after it was written")
-        first = parquet.ParquetFile(pa.BufferReader(content))
-        declared, schema = first.metadata, first.schema_arrow
-        groups = map(declared.row_group, range(declared.num_row_groups))
-        size = declared.serialized_size + sum(g.total_byte_size for g in groups)
-        numbers = sum(pa.types.is_primitive(field.type) for field in schema)
-        size += TEXT * max(
-            size - 8 * declared.num_rows * numbers, 0
-        )  # the rest is text
-        most = MOST_VALUES // max(declared.num_columns, 1)
-        if size > UNPACKED or declared.num_rows > min(most, MOST_ROWS):
-            count = f"{declared.num_rows} x {declared.num_columns} values"
-            raise ValueError(f"{count} with {size / 1e9:.2g} GB are too many")
-        if lists := {str(f.type) for f in schema if pa.types.is_nested(f.type)}:
-            raise ValueError(f"columns of {min(lists)[:40]} are none of a sweep")
-        texts = [f.name for f in schema if f.type in (pa.string(), pa.large_string())]
+        texts = _texts(parquet.ParquetFile(pa.BufferReader(content)))
         source = pa.BufferReader(content)
         with _bounded(), parquet.ParquetFile(source, read_dictionary=texts) as file:
             table = file.read(use_threads=False)  # others would go on after an error
@@ -108,6 +94,23 @@ def read_table(path: Path) -> tuple[dict[str, list[object]], dict[str, Any]]:
             why = getattr(error, "strerror", None) or damaged
         raise UsageError.of("no_table", path, why=why) from error
     return columns, about if isinstance(about, dict) else {}
+
+
+def _texts(file: parquet.ParquetFile) -> list[str]:
+    """Names of columns of text; ValueError where a file declares more than is read."""
+    declared, schema = file.metadata, file.schema_arrow
+    groups = map(declared.row_group, range(declared.num_row_groups))
+    size = declared.serialized_size + sum(g.total_byte_size for g in groups)
+    numbers = sum(pa.types.is_primitive(field.type) for field in schema)
+    text = size - 8 * declared.num_rows * numbers  # at least
+    size += TEXT * max(text, 0)
+    most = MOST_VALUES // max(declared.num_columns, 1)
+    if size > UNPACKED or declared.num_rows > min(most, MOST_ROWS):
+        count = f"{declared.num_rows} x {declared.num_columns} values"
+        raise ValueError(f"{count} with {size / 1e9:.2g} GB are too many")
+    if lists := {str(f.type) for f in schema if pa.types.is_nested(f.type)}:
+        raise ValueError(f"columns of {min(lists)[:40]} are none of a sweep")
+    return [f.name for f in schema if f.type in (pa.string(), pa.large_string())]
 
 
 @contextmanager

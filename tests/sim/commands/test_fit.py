@@ -24,6 +24,11 @@ class Course:
     in_force: bool = False
 
 
+def of_robot(name, **world):
+    """A scenario that names a robot and settings of its world."""
+    return SimpleNamespace(robot=name, key=lambda _: tuple(world.items()))
+
+
 SETUP = SimpleNamespace(limits=SimpleNamespace(timestep=0.001))
 
 
@@ -102,7 +107,7 @@ def test_a_run_is_of_its_own_robot_and_fits_no_other(monkeypatch, tmp_path):
     monkeypatch.setattr(
         command,
         "read_run",
-        lambda _: SimpleNamespace(scenario=SimpleNamespace(robot="quadruped"), card=1),
+        lambda _: SimpleNamespace(scenario=of_robot("quadruped"), card=1),
     )
     loaded = []
 
@@ -120,9 +125,25 @@ def test_a_run_is_of_its_own_robot_and_fits_no_other(monkeypatch, tmp_path):
     assert loaded == ["quadruped", "quadruped", "hexapod"]
 
 
+def test_runs_that_are_fitted_together_were_walked_in_one_world(monkeypatch, tmp_path):
+    """In other places, and with other motions, but on the same servos."""
+    first, second = {"motion": "a", "payload": "0"}, {"motion": "b", "payload": "1"}
+    runs = {}
+    for name, world in (("first", first), ("second", second)):
+        (tmp_path / name).mkdir()
+        runs[tmp_path / name] = SimpleNamespace(
+            scenario=of_robot("hexapod", **world), card=1
+        )
+    monkeypatch.setattr(command, "read_run", runs.__getitem__)
+    monkeypatch.setattr(command.cli, "robot_of", lambda *_: SimpleNamespace(card=1))
+    what, where = refused(*map(str, runs))
+    assert what == f"walked with another payload than {tmp_path / 'first'}"
+    assert where == str(tmp_path / "second")
+
+
 @pytest.mark.parametrize("walking", [None, True, False])
 def test_poses_of_a_run_on_a_stand_are_not_fitted(monkeypatch, tmp_path, walking):
-    run = SimpleNamespace(scenario=SimpleNamespace(robot="hexapod"), card=1)
+    run = SimpleNamespace(scenario=of_robot("hexapod"), card=1)
     monkeypatch.setattr(command, "read_run", lambda _: run)
     log = logged(pose=np.zeros((2, 3)), measured=np.ones((2, 2)))
     monkeypatch.setattr(command, "log_of", lambda _: log)
