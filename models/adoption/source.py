@@ -26,7 +26,7 @@ from models.errors import ModelError, UnknownRobotError, message
 from planner.support import read_file
 
 FREE = re.compile(r"<freejoint|type=\"free\"")
-PACKAGE = r'package://([^/"]+)/([^"]+)'
+PACKAGE = r"""package://([^/"']+)/([^"']+)"""
 PARENTS = 4  # folders above a URDF in which its packages are looked for
 ROOT = "adopted_world"  # link that a URDF's base floats in
 

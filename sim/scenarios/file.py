@@ -119,10 +119,10 @@ def scenario_from(
 
 
 def _learnt(path: Path, robot: str) -> object:
-    """The numbers in a learnt.toml, or in that of a run of the same shipped robot."""
+    """The numbers in a learnt.toml, or in that of a run of a robot of the same name."""
     file = (path if path.is_dir() else path.parent) / "scenario.toml"
     own = read_toml(file).get("robot", Scenario.robot) if file.is_file() else robot
-    if own != robot and not str(own).endswith(".xml"):
+    if Path(str(own)).stem != Path(str(robot)).stem:
         raise UsageError.of("learnt_of", path, own=own)
     path = path / "learnt.toml" if path.is_dir() else path
     table = read_toml(path).get("learnt")

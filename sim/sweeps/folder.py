@@ -179,12 +179,10 @@ def abouts(folder: Path) -> list[Path]:
     return [folder / n for n in names if OWN.fullmatch(n) and n.endswith(".json")]
 
 
-def missing_shard(folders: Iterable[Path]) -> str:
-    """The first part I/N of a sweep that lacks its table where others have theirs."""
+def walked_shards(folders: Iterable[Path]) -> set[tuple[int, int]]:
+    """The parts I of N of a sweep that have their tables."""
     names = "\n".join(path.name for at in folders for path in at.glob("table-*"))
-    found = {(int(i), int(n)) for i, n in WALKED.findall(names)}
-    every = ((i, n) for n in sorted({n for _, n in found}) for i in range(1, n + 1))
-    return next((f"{i}/{n}" for i, n in every if (i, n) not in found), "")
+    return {(int(i), int(n)) for i, n in WALKED.findall(names)}
 
 
 def claim(out: Path, shard: Shard, resume: bool) -> SweepFolder:

@@ -156,8 +156,8 @@ def test_legs_that_cannot_meet_are_refused_for_that(tmp_path):
     assert "cannot be turned so that they meet at pivots" in said
 
 
-@pytest.mark.parametrize("folder", ["bot", "clone_of_bot"])
-def test_urdf_finds_meshes_of_its_package_and_can_be_moved(tmp_path, folder):
+@pytest.mark.parametrize(("folder", "quote"), [("bot", '"'), ("clone_of_bot", "'")])
+def test_urdf_finds_meshes_of_its_package_and_can_be_moved(tmp_path, folder, quote):
     package = tmp_path / folder
     for folder in ("urdf", "meshes"):
         (package / folder).mkdir(parents=True)
@@ -175,7 +175,8 @@ def test_urdf_finds_meshes_of_its_package_and_can_be_moved(tmp_path, folder):
         )
     )
     path = ADOPTEES[-1].write(package / "urdf")
-    hull = '<geometry><mesh filename="package://bot/meshes/hull.obj"/></geometry>'
+    file = f"{quote}package://bot/meshes/hull.obj{quote}"
+    hull = f"<geometry><mesh filename={file}/></geometry>"
     text = path.read_text().replace(
         "</link>", f"<collision>{hull}</collision></link>", 1
     )

@@ -84,6 +84,15 @@ def test_shards_may_lie_in_the_folder_that_they_are_merged_into(finished, tmp_pa
     assert merged(folder, out=folder) == 0
 
 
+def test_the_part_that_lacks_a_point_is_named(finished, capsys):
+    for number in (1, 2):
+        folder = finished("one", [0.4, 1.0], Shard(number, 2))
+        (folder / f"table-{number}-of-2.parquet").touch()
+    (folder / "ledger-2-of-2.jsonl").write_text("")
+    assert merged(folder, out=folder) == 2
+    assert f"--out {folder} --shard 2/2 --resume" in capsys.readouterr().err
+
+
 def test_the_table_of_something_else_is_not_replaced(finished, tmp_path, capsys):
     (table := tmp_path / "mine" / "table.parquet").parent.mkdir()
     table.write_text("mine")

@@ -80,6 +80,11 @@ def test_what_another_robot_has_learnt_is_refused(tmp_path):
         load_scenario("line", {"learnt": str(tmp_path)})
     own = {"learnt": str(tmp_path), "robot": "octopod", "replan": True}
     assert [*load_scenario("line", own).learnt] == [0.0] * 15
+    (tmp_path / "scenario.toml").write_text('robot = "robot/mine.xml"\n')
+    with pytest.raises(UsageError, match="what robot/mine.xml has learnt is of no use"):
+        load_scenario("line", own)
+    own["robot"] = "elsewhere/mine.xml"
+    assert [*load_scenario("line", own).learnt] == [0.0] * 15
 
 
 def test_what_is_not_learnt_is_refused(tmp_path):
