@@ -216,10 +216,12 @@ def test_a_servo_table_of_ros_gives_channels_and_ticks(classroom, tmp_path, caps
     servo = "{{name: {}, id: {}, ticks: 1024, center: 512, max_radians: 5.236}}"
     servos = tmp_path / "servos.yaml"
     servos.write_text(
-        "\n".join(f"- {servo.format(j, n)}" for n, j in enumerate(joints))
+        "\n".join(f"- {servo.format(j, n)}" for n, j in enumerate([*joints, "head"]))
     )
-    words = ("--format", "dynamixel", "--servo-table", servos, "--no-play")
-    exported(capsys, classroom[0], *words, "--out", tmp_path / "ticks.csv")
+    words = ("--format", "dynamixel", "--servo-table", servos, "--no-play", "--json")
+    out = map(str, (*words, "--out", tmp_path / "ticks.csv"))
+    assert main(["export", str(classroom[0]), *out]) == 0
+    assert "no joint moves so: head\n" in capsys.readouterr().err
     values = np.genfromtxt(tmp_path / "ticks.csv", delimiter=",", names=True)
     assert values["swing_3"][0] == 512
     assert values["lift_3"].max() > 512
