@@ -5,6 +5,7 @@ commands of the last few seconds alone, and on the heading if the floor leans. P
 of a walk are computed side by side as lanes, and the walk is composed of its phases.
 """
 
+from bisect import bisect, insort
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import groupby
@@ -25,6 +26,7 @@ from sim.motion.stability import carrying, stability_margin
 REMEMBERED = 2.0  # [s] that feet remember; 1.5 is as good, 0.3 is not
 SOON = 0.3  # [s]; lifts k times as long are remembered k^2.5 times as long, measured
 ALIKE = 1e-5  # [rad]; commands closer than this do the same
+NEAR = 1.001 * ALIKE  # so close their means are, beside rounding
 SAME_HEADING = 0.02  # [rad], where gravity leans
 LOOKED_AT = 4  # moments of a phase at which commands are compared
 MOST_HELD = 10**8  # numbers of such commands, of all phases
@@ -119,14 +121,19 @@ class Phases:
     def _found(self, course: Course) -> list[Motions]:
         """What every robot does in each phase; kinds that are new are computed."""
         known = {s: [like for like, _ in kinds] for s, kinds in self.kinds.items()}
+        means = {s: sorted(_means(alike)) for s, alike in known.items()}
         where, new, held = [], [], 0
         for phase in range(len(course.spans)):
             shape, like = _window(course, phase)
-            alike = known.setdefault(shape, [])
-            same = (i for i, other in enumerate(alike) if self._same(other, like))
+            alike, order = known.setdefault(shape, []), means.setdefault(shape, [])
+            ((mean, _),) = _means([like])
+            ends = bisect(order, (mean - NEAR, 0)), bisect(order, (mean + NEAR, 0))
+            near = sorted(i for _, i in order[slice(*ends)])
+            same = (i for i in near if self._same(alike[i], like))
             number = next(same, len(alike))
             if number == len(alike):
                 alike.append(like)
+                insort(order, (mean, number))
                 new.append(phase)
                 if (held := held + like.looks.size) > MOST_HELD:
                     raise MeasurementError(message("crowded", count=len(course.spans)))
@@ -190,6 +197,11 @@ class Phases:
             torque=track.torque,
             margin=stability_margin(track.point, stands, center),
         )
+
+
+def _means(some: Sequence[Likeness]) -> Iterator[tuple[float, int]]:
+    """Means of the commands, which are as near as those of phases that are alike."""
+    return ((float(one.looks.mean()), i) for i, one in enumerate(some))
 
 
 def _window(course: Course, phase: int) -> tuple[tuple[int, ...], Likeness]:

@@ -111,18 +111,22 @@ def scenario_from(
     if lacking := [key for key in needed if key not in values]:
         raise UsageError(f"{lacking[0]} is missing", where, f"give {lacking[0]}")
     if isinstance(file := values.get("learnt"), str):
-        values["learnt"] = _learnt(Path(file), values.get("robot", Scenario.robot))
+        values["learnt"] = _learnt(Path(file), values)
     standing = shapes.decode(values.get("obstacles", ()))
     path = nominal.decode(values["path"]) if "path" in values else nominal.line(START)
     own = {**values, "path": path, "obstacles": standing}
     return Scenario(**own, given=frozenset(changes))
 
 
-def _learnt(path: Path, robot: str) -> object:
+def _learnt(path: Path, values: Table) -> object:
     """The numbers in a learnt.toml, or in that of a run of a robot of the same name."""
     file = (path if path.is_dir() else path.parent) / "scenario.toml"
-    own = read_toml(file).get("robot", Scenario.robot) if file.is_file() else robot
-    if Path(str(own)).stem != Path(str(robot)).stem:
+    tables = read_toml(file) if file.is_file() else values, values
+    (own, shape), (asked, wanted) = (
+        (str(table.get("robot", Scenario.robot)), table.get("geometry"))
+        for table in tables
+    )
+    if (Path(own).stem, shape) != (Path(asked).stem, wanted):
         raise UsageError.of("learnt_of", path, own=own)
     path = path / "learnt.toml" if path.is_dir() else path
     table = read_toml(path).get("learnt")

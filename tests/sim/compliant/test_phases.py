@@ -45,6 +45,40 @@ def test_phases_that_remember_too_many_commands_are_refused(walk, monkeypatch):
     phases.follow(way)  # which are known
 
 
+@pytest.mark.parametrize(("apart", "same"), [(0.99, True), (1.01, False)])
+def test_commands_do_the_same_within_a_hundred_thousandth_of_a_radian(
+    walk, monkeypatch, apart, same
+):
+    phases, way, _ = walk
+    rows = way.commands.rows + apart * 1e-5
+    other = replace(way, commands=replace(way.commands, rows=rows))
+    new = []
+    monkeypatch.setattr(Phases, "_computed", lambda self, _, which: new.append(which))
+    with pytest.raises(TypeError):  # nothing was computed
+        phases._found(other)
+    assert (new == [[]]) == same
+
+
+def test_phases_are_compared_with_those_of_near_commands_alone(walk, monkeypatch):
+    """Those of ten minutes took an hour where each was compared with all before it."""
+    phases, way, _ = walk
+    asked = []
+    monkeypatch.setattr(Phases, "_same", lambda *_: asked.append(1))
+    monkeypatch.setattr(
+        Phases, "_computed", lambda self, _, which: ((n, ()) for n in which)
+    )
+    rows = way.commands.rows
+    drift = np.linspace(0, 0.1, len(rows))[:, None, None]  # far more than is alike
+    for away in (0 * drift, drift):
+        fresh, commands = (
+            Phases(phases.mechanics, phases.robots),
+            replace(way.commands, rows=rows + away),
+        )
+        fresh._found(replace(way, commands=commands))
+        assert bool(asked) == (not away.any())
+        asked.clear()
+
+
 def test_a_composed_walk_is_the_one_that_is_walked_through(walk):
     """Within 0.01 mm and 0.1 mrad, measured, where pieces have been joined."""
     phases, way, motion = walk

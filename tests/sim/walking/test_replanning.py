@@ -84,6 +84,8 @@ def test_what_another_robot_has_learnt_is_refused(tmp_path):
     with pytest.raises(UsageError, match="what robot/mine.xml has learnt is of no use"):
         load_scenario("line", own)
     own["robot"] = "elsewhere/mine.xml"
+    with pytest.raises(UsageError, match="of no use"):
+        load_scenario("line", own | {"geometry": {"kappa": 0.5}})
     assert [*load_scenario("line", own).learnt] == [0.0] * 15
 
 
