@@ -34,7 +34,6 @@ SHOWN = 3  # differences of packages
 MUJOCO = "mujoco==4.0.0"
 REINSTALL = f"{sys.executable} -m pip install --force-reinstall"
 PINS = ROOT / "scripts"
-BUILDING = ("setuptools",)  # never loaded
 
 
 @dataclass(frozen=True)
@@ -155,7 +154,7 @@ def _packages() -> str:
 def differences() -> Iterator[tuple[str, str]]:
     """What is wanted, and what is there instead, of packages that are installed."""
     for wanted in _wanted():
-        if wanted.name in BUILDING:
+        if wanted.name == "setuptools":  # never loaded
             continue
         try:
             found = distribution(wanted.name)
@@ -212,7 +211,15 @@ CHECKS = {
 def bench(options: argparse.Namespace) -> None:
     """Print every measurement when it is done."""
     if options.peers:
-        _compare_peers(["--json"] if options.json else [])
+        if not (ROOT / "scripts" / "planner_table.py").is_file():  # in a checkout only
+            raise UsageError.of("peers", "bench --peers")
+        for package in ("casadi", "ompl"):
+            if find_spec(package) is None:
+                raise ModuleNotFoundError(name=package)
+        script = [sys.executable, "-m", "scripts.planner_table"]
+        script += ["--json"] if options.json else []
+        env = os.environ | {"PYTHONPATH": str(ROOT)}
+        subprocess.run(script, cwd=ROOT, env=env, check=True)
         return
     if options.sweeps:
         from sim.bench.sweep_speed import measure
@@ -224,15 +231,3 @@ def bench(options: argparse.Namespace) -> None:
         return
     for row in rows:
         print(row, flush=True)
-
-
-def _compare_peers(options: list[str]) -> None:
-    """Run the script that knows the other planners; it is part of a checkout only."""
-    if not (ROOT / "scripts" / "planner_table.py").is_file():
-        raise UsageError.of("peers", "bench --peers")
-    for package in ("casadi", "ompl"):
-        if find_spec(package) is None:
-            raise ModuleNotFoundError(name=package)
-    script = [sys.executable, "-m", "scripts.planner_table", *options]
-    env = os.environ | {"PYTHONPATH": str(ROOT)}
-    subprocess.run(script, cwd=ROOT, env=env, check=True)

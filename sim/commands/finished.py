@@ -17,13 +17,6 @@ from sim.folder import blamed_on, new_file
 from sim.progress import bar
 from sim.runs.run import Run, read_run
 
-FILMS = (".mp4", ".webp")
-ALWAYS = ("stratawalk", "goodwine2000")
-OF_PREDICTIONS = {
-    "quasi_static": ("murphey2006", "hatton2025"),
-    "compliant": ("alart1991",),
-}
-
 
 def show(options: argparse.Namespace) -> None:
     """Draw the report, print its path and open it."""
@@ -53,7 +46,7 @@ def film(options: argparse.Namespace) -> None:
     from sim.pictures.run_film import film_folder
 
     folder, out = cli.run_of(options), options.out
-    path = None if out is None else new_file(Path(out), "film", *FILMS)
+    path = None if out is None else new_file(Path(out), "film", ".mp4", ".webp")
     if folder != Path(options.run):  # none was named
         cli.notice("the film of a whole walk takes minutes; --to 5 films its first 5 s")
     with bar(quiet=options.json) as progress:
@@ -98,7 +91,7 @@ def view(options: argparse.Namespace) -> None:
 
 def cite(options: argparse.Namespace) -> None:
     """Print BibTeX entries."""
-    keys, made = list(ALWAYS), version("stratawalk")
+    keys, made = ["stratawalk", "goodwine2000"], version("stratawalk")
     if options.run is not None:
         folder = Path(options.run)
         with blamed_on(folder):
@@ -120,7 +113,9 @@ def _used(run: Run) -> Iterator[str]:
     optimised = run.summary.optimise != "none"
     yield from ("andersson2019", "waechter2006") if optimised else ("lafferriere1991",)
     yield "todorov2012"
-    for name, keys in OF_PREDICTIONS.items():
-        yield from keys if run.summary.predicted.get(name) else ()
+    if run.summary.predicted.get("quasi_static"):
+        yield from ("murphey2006", "hatton2025")
+    if run.summary.predicted.get("compliant"):
+        yield "alart1991"
     if run.scenario.obstacles:
         yield "sucan2012"
