@@ -31,7 +31,6 @@ OWN = Bounds()
 ADOPTED = replace(OWN, seconds=35.0)  # the command gives itself 30 s
 LOADING = 4.0  # [s] on the processor that the real command takes to begin
 KINDS = OWN_KINDS | FOREIGN
-ADOPTS = {kind for kind in KINDS if kind.startswith("adopt")}
 
 
 def fault(words: list[str], folder: str | Path, bounds: Bounds = OWN) -> str | None:
@@ -74,7 +73,7 @@ def decided(words: list[str], folder: str | Path, bounds: Bounds = OWN) -> str |
 
 def tried(kind: str, seed: int, patience: float, keep: Path) -> bool:
     """Whether a case ends as it must; one that does not is told, and its files kept."""
-    bounds = ADOPTED if kind in ADOPTS else OWN
+    bounds = ADOPTED if kind.startswith("adopt") else OWN
     bounds = replace(bounds, patience=patience * bounds.seconds / OWN.seconds)
     with tempfile.TemporaryDirectory() as folder:
         try:

@@ -29,11 +29,9 @@ ATTRIBUTE = re.compile(r"([\w.:-]+)\s*=\s*(\"[^\"]*\"|'[^']*')")
 PARTS = "joint|geom|body|site|mesh|material|texture|hfield|tendon|actuator|link|camera"
 TEXTS = re.compile(f"name$|class$|^(model|prefix|file|target)$|({PARTS})[12]?$")
 """Attributes that may say "nan": they name something."""
-SECTIONS = ("opt", "vis", "stat")  # of a compiled model, beside its arrays
 QUATERNIONS = {int(mujoco.mjtJoint.mjJNT_FREE): 3, int(mujoco.mjtJoint.mjJNT_BALL): 0}
 """Joints with a quaternion, and where in their coordinates it begins."""
 DERIVED = re.compile("0$|^bvh_|^oct_|^geom_aabb|^geom_rbound|mass$|inertia$")
-MASSLESS = "must be larger than mjMINVAL"
 SOLVING = re.compile("iterations$|initpoints$")  # options that a step's time grows with
 NOT_XML = re.compile("Problem reading XML file (.*): .* Line number=([0-9]+)")
 MOST_ITERATIONS = 1000  # of these; the engine's own are 100 or fewer
@@ -91,7 +89,7 @@ def _not_finite(model: mujoco.MjModel) -> Iterator[str]:
         if array.size and not np.isfinite(array).all():
             row = int(np.argwhere(~np.isfinite(array))[0, 0])
             yield f"{name} of {_owner(model, name, row)}"
-    for section in SECTIONS:
+    for section in ("opt", "vis", "stat"):  # beside its arrays
         for name, value in _floats(getattr(model, section)):
             if not np.isfinite(value).all():
                 yield f"{section}.{name}"
@@ -191,7 +189,7 @@ def one_line(what: str, *remedy: str) -> Iterator[None]:
         reason = reason.replace(f" of '{what.partition(': ')[2]}'", "")
         if reason.startswith("Could not read '"):
             reason = "there is no XML in it"
-        if MASSLESS in reason:
+        if "must be larger than mjMINVAL" in reason:
             remedy = (message("massless"),)
         if "Error opening file" in reason:
             remedy = ("put it there, or correct meshdir or texturedir",)

@@ -120,7 +120,6 @@ def _found(model: mujoco.MjModel, kind: str, name: str) -> Path | None:
 SECONDS = 8  # of the processor, in which a model must compile
 MEMORY = 2 * 10**9  # bytes
 PATIENCE = 30  # [s] by the clock
-MOVE = "move them there, or give --allow-external if you trust it"
 ROOT = Path(__file__).resolve().parents[2]
 SHOWN = 3  # files that a message names
 
@@ -129,7 +128,7 @@ def inspect_model(
     path: Path,
     others: tuple[Path, ...] = (),
     allow_external: bool = False,
-    remedy: str = MOVE,
+    remedy: str = "move them there, or give --allow-external if you trust it",
 ) -> Opened:
     """Make sure that a model may be read, and find the files that it opens.
 

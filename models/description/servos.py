@@ -197,8 +197,6 @@ class JointServo:
         raise ValueError(f"{what}, got {list(self.limits)}")
 
 
-KGF_CM = 0.0980665  # [N m]
-SIXTY = pi / 3  # [rad]; data sheets give the time for 60 degrees
 PULSES, BUS = 50.0, 100.0  # commands a second, the latter assumed where none is given
 IN_COUNTS = {
     "dead_counts": "dead_band",
@@ -210,8 +208,8 @@ IN_COUNTS = {
 def _kind(sheet: dict[str, Any]) -> ServoKind:
     """A servo from its table."""
     if "kgf_cm" in sheet:
-        sheet["stall_torque"] = sheet.pop("kgf_cm") * KGF_CM
-        sheet["no_load_speed"] = SIXTY / sheet.pop("seconds")
+        sheet["stall_torque"] = sheet.pop("kgf_cm") * 0.0980665  # [N m]
+        sheet["no_load_speed"] = pi / 3 / sheet.pop("seconds")  # for 60 degrees
     if degrees := sheet.pop("degrees", 0):
         sheet["reach"] = radians(degrees / 2)
     if dead := sheet.pop("dead_pulse", 0):

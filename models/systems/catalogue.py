@@ -111,8 +111,8 @@ def _fits(value: object, kind: object) -> bool:
     return isinstance(value, int if kind is int else int | float)
 
 
-REQUIRED = ("state", "goal", "strata")
-OPTIONAL = (
+KEYS = (
+    *("state", "goal", "strata"),  # without which there is no system
     *("description", "bottom", "gait", "elements", "start", "segments", "stance"),
     *("degree", "words", "flat", "hitches"),
     *("parameters", "limits", "level_sets", "metric", "lifts"),
@@ -170,7 +170,7 @@ def _run(path: Path, values: Mapping[str, object]) -> Problem:
 def _decode(
     name: str, content: Mapping[str, object], values: Mapping[str, object]
 ) -> Problem:
-    table = Table(content, known=REQUIRED + OPTIONAL)
+    table = Table(content, known=KEYS)
     state, formula = _language(table, values)
     system, limits = _system(table, state, formula), table.table("limits")
     table.get("goal")

@@ -38,9 +38,8 @@ SHARE = np.linspace(0, 1, 301)
 WALL, OUTLINE = palette.OBSTACLE.hex, palette.OUTLINE.hex
 MAGNIFIED = 0.025  # [m] to either side of where the path is magnified
 INSET = (0.78, 0.06, 0.16, 0.16)  # left, bottom, width and height, of the panel
-UNCUT = {"min_clearance": -1, "steer": "ideal"}
 WALKS = {
-    "corridor-coarse": Job("corridor", UNCUT, cost=8),
+    "corridor-coarse": Job("corridor", {"min_clearance": -1, "steer": "ideal"}, cost=8),
     "corridor": Job("corridor", cost=16),
 }
 

@@ -18,7 +18,6 @@ TUBE_SEGMENTS = (1, 2, 4, 8, 16, 32, 60, 120, 240)  # measured
 GOAL = (1.0, 1.0, 0.0)
 FINER = len(TUBE_SEGMENTS) // 2  # from which on their power is that of the limit
 METRES = (0.03, 0.03, 0.0)
-METRES_LENGTH = 0.03 * np.sqrt(2)
 WALKS = {
     f"line-{n}": Job("line", {"path.goal": METRES, "segments": n}, cost=0.6 + n / 10)
     for n in SEGMENTS
@@ -58,7 +57,7 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
         n: np.array([swing_out(w.pose[n][:, :2], w.ends, produced).max() for w in made])
         for n in ("ideal", "achieved")
     }
-    length = MM * METRES_LENGTH / np.array(SEGMENTS)
+    length = MM * (METRES[0] * np.sqrt(2)) / np.array(SEGMENTS)
     for name, label, fmt, colour in (
         ("ideal", "predicted", "o-", IDEAL),
         ("achieved", "physics", "s:", PHYSICS),

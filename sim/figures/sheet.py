@@ -27,7 +27,6 @@ from sim.progress import Progress, silent
 from sim.reports.tables import Table
 from sim.templates import render
 
-FORMATS = ("png", "svg")
 SHARED = {"biped": "strata", "quadruped": "strata"}  # modules, of two figures each
 KINDS = ("paper", "metres")
 OFTEN = 1.0  # [s] after which it is told how far the walks are
@@ -148,7 +147,7 @@ def _module(figure: str) -> ModuleType:
 def save(sheet: Sheet, folder: Path) -> None:
     """Write the drawing under its title as PNG and SVG, and its numbers as CSV."""
     with rc_context(STYLE):
-        for kind in FORMATS:
+        for kind in ("png", "svg"):
             with whole(folder / f"{sheet.name}.{kind}") as part:
                 undated = {"Date": None} if kind == "svg" else {"Software": None}
                 sheet.figure.savefig(part, format=kind, metadata=undated)

@@ -26,7 +26,6 @@ from sim.palette import Style
 
 ABSENT = palette.OUTLINE.hex  # sets of feet that are no strata
 Place = tuple[float, float]
-VIEW = {"elev": 24, "azim": -52}  # of the sheets [degrees]
 LANE, HALF = 0.07, 0.25  # of arrows beside their edges; half the bottom's height
 SPREAD, NUMBERED = 0.62, 0.4  # of edges at the bottom; of the way to a step's number
 
@@ -215,7 +214,7 @@ def draw_sheets(axes: Axes3D, span: tuple[float, float], top: float = 1.25) -> N
     axes.set(xlim=span, ylim=(0, top), zlim=(0, top), yticks=(1,), zticks=(1,))
     axes.set_ylabel("$h_1$", labelpad=-10)
     axes.tick_params(pad=-4)
-    axes.view_init(**VIEW)
+    axes.view_init(elev=24, azim=-52)
     axes.set_box_aspect((1.5, 1.1, 1.0), zoom=1.2)
     axes.grid(visible=False)
     for pane in (axes.xaxis, axes.yaxis, axes.zaxis):

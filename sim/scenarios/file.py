@@ -21,7 +21,6 @@ from sim.scenarios.settings import FORMER, SETTINGS
 
 Values = dict[str, Any]  # a table of plain values, by key
 KEYS = (*SETTINGS, "path", "obstacles")
-OF_SWEEPS = {"scenario", "grid", "list", "sobol", "keep"}
 CALLED = {"mu": "friction", "goal": "path", "speed": "swing_speed"}  # other words
 TABLES = {name for name, item in SETTINGS.items() if item.includes(Mapping)}
 FOLDER = Path(str(files("sim.scenarios")))
@@ -77,7 +76,7 @@ def scenario_table(source: str) -> tuple[Values, str]:
     write = f"write one: stratawalk scenarios line > {quote(f'{source}.toml')}"
     path = find(source, FOLDER, "scenario", "SCENARIO", write)
     table = {"name": path.stem, **read_toml(path)}
-    if table.keys() & OF_SWEEPS:
+    if table.keys() & {"scenario", "grid", "list", "sobol", "keep"}:
         on = command("sweep", path, "--out", f"sweeps/{path.stem}")
         raise UsageError("a sweep and no scenario", str(path), on)
     anchor(table, path.parent)

@@ -25,7 +25,6 @@ from sim.scenarios.scenario import LEFT, Scenario
 from sim.sweeps.file import flat
 from sim.versions import PACKAGES, versions
 
-CODE = ("planner", "models", "sim")
 KINDS = (".py", ".toml", ".xml")
 ALIKE = (*PACKAGES, "machine", "code")
 
@@ -74,7 +73,7 @@ def _shown(table: Mapping[str, object], key: str) -> str:
 def _code() -> str:
     """Digest of this package's own sources; as git's hash, but for what is changed."""
     parts = hashlib.sha256()
-    for package in CODE:
+    for package in ("planner", "models", "sim"):
         for path in sorted(Path(str(files(package))).rglob("*")):
             if path.suffix in KINDS:
                 parts.update(path.name.encode() + path.read_bytes())

@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from mujoco.studio.viewer_handle import ViewerHandle
 
 TORSO = 0.35  # opacity of the body
-FACES = {"numquads": 1, "numslices": 12, "numstacks": 6}  # each costs time
 DISC, ARROW = 0.1, 0.04  # of a contact and its force, in units of the model's size
 LOOPBACK = ("127.0.0.1", "::1", "localhost")
 EVERYWHERE = ("0.0.0.0", "::", "")  # noqa: S104 (asked for by a person, and told)
@@ -73,8 +72,8 @@ def looked_through(walk: Run) -> mujoco.MjModel:
     walk.require_width(walk.ctrl, model.nu)
     torso = fixed_to(model, root_body(model, walk.model_file))
     model.geom_rgba[torso, 3] *= TORSO
-    for part, number in FACES.items():
-        setattr(model.vis.quality, part, number)
+    quality = model.vis.quality  # in few faces, each of which costs time
+    quality.numquads, quality.numslices, quality.numstacks = 1, 12, 6
     scale = model.vis.scale
     scale.contactwidth, scale.contactheight, scale.forcewidth = DISC, DISC / 4, ARROW
     return model

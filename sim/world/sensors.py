@@ -20,7 +20,6 @@ _FOUND, _FORCE = 1 << int(_DATA.mjCONDATA_FOUND), 1 << int(_DATA.mjCONDATA_FORCE
 _PLACE, _SPEED = 1 << int(_DATA.mjCONDATA_POS), 1 << int(_DATA.mjCONDATA_LINVEL)
 _GEOM, _SUBTREE = mujoco.mjtObj.mjOBJ_GEOM, mujoco.mjtObj.mjOBJ_XBODY
 _MANY = 4  # contacts of a foot, of which the engine tells
-_OFF = int(mujoco.mjtDisableBit.mjDSBL_SENSOR)
 _PLAIN = {"cutoff": 0.0, "delay": 0.0, "interval": (0.0, 0.0), "nsample": 0}
 _SLOTS = {mujoco.mjtGeom.mjGEOM_SPHERE: 1, mujoco.mjtGeom.mjGEOM_CAPSULE: 2}
 
@@ -36,7 +35,7 @@ def ensure_sensors(
     All are read at every step as they are. An uneven floor has bumps, which any foot
     touches at several points.
     """
-    spec.option.disableflags &= ~_OFF
+    spec.option.disableflags &= ~int(mujoco.mjtDisableBit.mjDSBL_SENSOR)
     slots = {} if uneven else _SLOTS
     for geom in robot.card.feet:
         data = _FOUND | _FORCE | _PLACE | _SPEED, slots.get(spec.geom(geom).type, _MANY)
