@@ -208,15 +208,27 @@ def _wait(dots: int, where: str) -> int:
     return len(os.read(dots, 4096))
 
 
-def _draw(piece: Piece) -> None:
-    walk = read_run(piece.folder, inspected=True).in_world()
-    frames = piece.frames
-    film_clock = clock(walk.time, walk.scenario.playback, piece.stretch)
-    view = camera(walk, film_clock, view_of(piece.shot))
+def is_held(film_clock: Clock, view: Camera, frame: int) -> bool:
+    """Whether a frame shows the same picture as the one before it."""
+    if frame in (film_clock.scene.start, film_clock.scene.stop):
+        return False
+    rows = film_clock.rows
+    return bool(rows[frame] == rows[frame - 1]) and view.rests(frame)
+
+
+def _main() -> None:
+    folder, look, start, stop, path, shot, begin, end = sys.argv[1:]
+    log = mujoco.MjLogConfig.get()
+    log.logto_file = False  # it would otherwise appear in the current folder
+    log.set()
+    frames, stretch = range(int(start), int(stop)), (float(begin), float(end))
+    walk = read_run(Path(folder), inspected=True).in_world()
+    film_clock = clock(walk.time, walk.scenario.playback, stretch)
+    view = camera(walk, film_clock, view_of(shot))
     captions = Captions(walk, film_clock, view)
     drawn = (grid(view, walk.reach), *marks(walk, film_clock, frames))
-    renderer = OffscreenRenderer(walk, drawn, view, LOOKS[piece.look])
-    with closing(renderer), file.encoding(piece.path) as append:
+    renderer = OffscreenRenderer(walk, drawn, view, LOOKS[look])
+    with closing(renderer), file.encoding(Path(path)) as append:
         for frame in frames:
             if frame == frames[0] or not is_held(film_clock, view, frame):
                 row = int(film_clock.rows[frame])
@@ -227,23 +239,6 @@ def _draw(piece: Piece) -> None:
                     captions.lay_card(picture, frame)
             append(picture)
             os.write(sys.stdout.fileno(), b".")
-
-
-def is_held(film_clock: Clock, view: Camera, frame: int) -> bool:
-    """Whether a frame shows the same picture as the one before it."""
-    if frame in (film_clock.scene.start, film_clock.scene.stop):
-        return False
-    rows = film_clock.rows
-    return bool(rows[frame] == rows[frame - 1]) and view.rests(frame)
-
-
-def _main() -> None:
-    folder, look, start, stop, path, view, begin, end = sys.argv[1:]
-    log = mujoco.MjLogConfig.get()
-    log.logto_file = False  # it would otherwise appear in the current folder
-    log.set()
-    frames, stretch = range(int(start), int(stop)), (float(begin), float(end))
-    _draw(Piece(Path(folder), look, frames, Path(path), view, stretch))
 
 
 if __name__ == "__main__":
