@@ -60,7 +60,10 @@ class Row:
                 (folder / f"mine.{suffix}").write_text(text.replace(*self.robot))
             (folder / "scene.xml").write_bytes((ROBOTS / "scene.xml").read_bytes())
         for name, content in self.files.items():
-            _write(folder / name, text_of(content))
+            if not isinstance(content, str):  # `@name` stands for a common text
+                texts = (TEXTS[p[1:]] if p[:1] == "@" else p for p in content)
+                content = "".join(texts)
+            _write(folder / name, content)
         given = dict(env) | {"ROBOTS": str(ROBOTS)}
         subprocess.run(["sh", "-euc", self.prepare], cwd=folder, env=given, check=True)
 
@@ -94,13 +97,6 @@ class Row:
 
 
 ROWS = tuple(Row(**table) for table in _FILE["fault"])
-
-
-def text_of(content: str | Sequence[str]) -> str:
-    """The text of a file, in which `@name` stands for one of the common texts."""
-    if isinstance(content, str):
-        return content
-    return "".join(TEXTS[part[1:]] if part[:1] == "@" else part for part in content)
 
 
 def ended(row: Row) -> Ending:

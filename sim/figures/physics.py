@@ -131,9 +131,8 @@ def _end_as_well(parent: BaseProcess) -> None:
 
 
 def _perform(job: Job, number: int) -> Walked:
-    report = partial(_walked.__setitem__, number)
-    made = perform(job, report)
-    report(1.0)
+    made = perform(job, partial(_walked.__setitem__, number))
+    _walked[number] = 1.0
     return made
 
 
