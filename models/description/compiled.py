@@ -155,15 +155,6 @@ def check_name(name: str, source: str) -> None:
         raise refusal("name", source, name=name)
 
 
-def check_names(model: mujoco.MjModel, source: str) -> None:
-    """Refuse a compiled model in which something has such a name."""
-    for name in model.names.split(b"\0"):
-        try:
-            check_name(name.decode(), source)
-        except UnicodeDecodeError as error:
-            raise refusal("no_text", source, error=error) from error
-
-
 def compile_model(spec: mujoco.MjSpec, source: str) -> mujoco.MjModel:
     """Compile, refusing what the compiler does, and odd names and numbers."""
     silence_the_engine()
@@ -173,7 +164,11 @@ def compile_model(spec: mujoco.MjSpec, source: str) -> mujoco.MjModel:
     ):
         model = spec.compile()
     model.opt.disableflags = 0  # in which a robot's file has no say
-    check_names(model, source)
+    for name in model.names.split(b"\0"):
+        try:
+            check_name(name.decode(), source)
+        except UnicodeDecodeError as error:
+            raise refusal("no_text", source, error=error) from error
     check_model(model, source)
     return model
 

@@ -1,6 +1,6 @@
 """What a walk with feedback meant, saw, thought and did, segment by segment."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
@@ -59,22 +59,17 @@ def read(text: str) -> tuple[Stop, ...]:
     stops: list[Stop] = []
     for number, table in enumerate(csv_rows(text, "feedback.csv")):
         with suppress(ValueError):
-            stop = _stop(table)
+            groups = (
+                tuple(float(table[f"{key}_{name}"] or "nan") for name in names)
+                for key, names in NAMES.items()
+            )
+            first = int(table["segment"]), float(table["time"]), float(table["seconds"])
+            stop = Stop(*first, *groups)
             if stop.segment == number and _may_follow(stop, stops):
                 stops.append(stop)
                 continue
         raise ValueError(f"feedback.csv has an impossible stop {number}")
     return tuple(stops)
-
-
-def _stop(table: Mapping[str, str]) -> Stop:
-    """A row as it was written, without regard to what it says."""
-    groups = (
-        tuple(float(table[f"{key}_{name}"] or "nan") for name in names)
-        for key, names in NAMES.items()
-    )
-    first = int(table["segment"]), float(table["time"]), float(table["seconds"])
-    return Stop(*first, *groups)
 
 
 def _may_follow(stop: Stop, others: Sequence[Stop]) -> bool:

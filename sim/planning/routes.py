@@ -116,7 +116,10 @@ class _Search:
 
     def _once(self, seed: int, done: Callable[[], bool]) -> Ompl:
         """A shortened route as an OMPL path; None if none is found until `done`."""
-        base, geometric, util = _ompl()
+        try:
+            from ompl import base, geometric, util
+        except ImportError as error:
+            raise UsageError.of("no_path", "path") from error
         util.setLogLevel(util.LOG_NONE)
         util.RNG.setSeed(seed + 1)  # 0 would mean the time of day
         space = base.ReedsSheppStateSpace(TIGHTEST * self.radius)
@@ -160,14 +163,6 @@ class _Search:
             bounds.setLow(axis, low - 2 * self.radius)
             bounds.setHigh(axis, high + 2 * self.radius)
         return bounds
-
-
-def _ompl() -> tuple[Ompl, Ompl, Ompl]:
-    try:
-        from ompl import base, geometric, util
-    except ImportError as error:
-        raise UsageError.of("no_path", "path") from error
-    return base, geometric, util
 
 
 def _pose(state: Ompl) -> Pose:

@@ -84,22 +84,16 @@ def ensure_floor(spec: mujoco.MjSpec, robot: Robot) -> Floor:
             _refuse_half_a_floor(plane, robot)
         return _join_scene(spec, feet)
     plane = max(floors, key=lambda p: p.place[2])
-    floor, own = _in_world(spec, plane), scene().geom("floor")
-    floor.solref, floor.solimp, floor.condim = own.solref, own.solimp, own.condim
-    floor.priority = 1 + max(0, *(foot.priority for foot in feet))
-    return Floor(str(floor.name), float(plane.place[2]))
-
-
-def _in_world(spec: mujoco.MjSpec, plane: _Plane) -> mujoco.MjsGeom:
-    """The geom of a horizontal plane, or another in its stead, placed in the world."""
-    floor, name = plane.geom, plane.geom.name
+    floor, own, name = plane.geom, scene().geom("floor"), plane.geom.name
     if floor.frame is not None or floor.parent != spec.worldbody:
         floor = spec.worldbody.add_geom()
         copy_settings(floor, plane.geom)
         spec.delete(plane.geom)
     floor.name, floor.pos, floor.quat = name, plane.place, [1, 0, 0, 0]
     floor.alt.type = mujoco.mjtOrientation.mjORIENTATION_QUAT
-    return floor
+    floor.solref, floor.solimp, floor.condim = own.solref, own.solimp, own.condim
+    floor.priority = 1 + max(0, *(foot.priority for foot in feet))
+    return Floor(str(floor.name), float(plane.place[2]))
 
 
 def _planes(
