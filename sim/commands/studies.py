@@ -24,7 +24,7 @@ from sim.studies.findings import findings
 from sim.studies.results import read_results
 from sim.sweeps import sweeping
 from sim.sweeps.file import read_sweep
-from sim.sweeps.folder import Shard, SweepFolder, claim, walked_shards
+from sim.sweeps.folder import Shard, SweepFolder, claim
 from sim.sweeps.ledger import software
 from sim.sweeps.table import write_table
 from sim.templates import render
@@ -92,10 +92,7 @@ def _print_result(
     shown = islice(result.reasons.items(), PRINTED)
     on = command("study", table.parent)
     if SweepFolder(table.parent).table != table:
-        walked = walked_shards([table.parent])
-        lacks = any((i, n) not in walked for _, n in walked for i in range(1, n + 1))
-        waits = "once all parts are walked: " * lacks
-        on = waits + command("merge", table.parent)
+        on = f"once all parts are walked: {command('merge', table.parent)}"
     cli.report(
         options,
         asdict(result) | {"table": str(table)},

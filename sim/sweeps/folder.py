@@ -25,7 +25,7 @@ from sim.sweeps.ledger import ALIKE, alike, differences, software
 
 UNREADABLE = (ValueError, KeyError, TypeError, AttributeError, RecursionError)
 SIDE_BY_SIDE = " with "  # between keys that vary together
-WALKED = re.compile(r"table-(\d+)-of-(\d+)\.parquet")  # all of a shard
+WALKED = re.compile(r"table-\d+-of-(\d+)\.parquet")  # all of a shard
 POINT = "point.json"  # in a run folder of a sweep: which of its points that is
 OWN = re.compile(r"sweep(-\d+-of-\d+)?\.(json|lock|owner)")  # files of any shard
 
@@ -179,10 +179,10 @@ def abouts(folder: Path) -> list[Path]:
     return [folder / n for n in names if OWN.fullmatch(n) and n.endswith(".json")]
 
 
-def walked_shards(folders: Iterable[Path]) -> set[tuple[int, int]]:
-    """The parts I of N of a sweep that have their tables."""
-    names = "\n".join(path.name for at in folders for path in at.glob("table-*"))
-    return {(int(i), int(n)) for i, n in WALKED.findall(names)}
+def shards_in(folders: Iterable[Path]) -> set[int]:
+    """In how many parts folders have a sweep, by the names of their tables."""
+    names = (path.name for at in folders for path in at.glob("table-*"))
+    return {int(found[1]) for name in names if (found := WALKED.fullmatch(name))}
 
 
 def claim(out: Path, shard: Shard, resume: bool) -> SweepFolder:

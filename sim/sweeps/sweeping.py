@@ -31,8 +31,8 @@ from sim.sweeps.folder import (
     abouts,
     point_in,
     run_folder,
+    shards_in,
     sole_owner,
-    walked_shards,
 )
 from sim.sweeps.ledger import OK, Outcome, digest, opened, read_ledger
 from sim.sweeps.table import Row, write_table
@@ -241,9 +241,9 @@ def merge(sources: Sequence[Path], out: Path) -> tuple[Result, Path]:
     missing = [point for point, code in points.digests.items() if code not in known]
     if missing:
         few = ", ".join(map(str, missing[:5])) + ", ..." * (len(missing) > 5)
-        counts = {count for _, count in walked_shards(sources)}
-        parts = [["--shard", f"{missing[0] % n + 1}/{n}"] for n in counts] or [[]]
-        on = command("sweep", "FILE.toml", "--out", sources[0], *parts[0], "--resume")
+        shards = [f"{missing[0] % n + 1}/{n}" for n in shards_in(sources)]
+        part = ["--shard", shards[0]] if shards else []
+        on = command("sweep", "FILE.toml", "--out", sources[0], *part, "--resume")
         facts = {"count": len(missing), "all": len(points.digests), "few": few}
         where = ", ".join(map(str, sources))
         raise UsageError.of("lacking_points", where, on=on, **facts)
