@@ -29,6 +29,7 @@ MOST_MISTAKES = 100  # of a person at one question; a pipe may hold any number
 LONGEST_ANSWER = 200  # letters
 T = TypeVar("T")
 OUT = "calibration"  # the folder that files go to where none is named
+RATE = "const float RATE = "  # in the sketch
 SKETCH, SCRIPT, PAGE, SHEET = "jog.ino", "bus.py", "index.html", "feet.svg"
 
 
@@ -64,13 +65,15 @@ def _prepare(
     robot: Robot, kind: ServoKind, folder: RunFolder, options: argparse.Namespace
 ) -> None:
     """Write what jogs the servos, and the page with the pictures of the joints."""
-    tool, rate = SKETCH if kind.signal == "pulse" else SCRIPT, kind.command_rate
+    tool = SKETCH if kind.signal == "pulse" else SCRIPT
+    divider = description.board_divider(kind.command_rate)
+    rate = description.board_rate(kind.command_rate)
     text = render(
         tool.replace(".py", ".txt"),
         CLOCK=f"{description.BOARD_CLOCK:.0f}",
-        RATE=f"{description.board_rate(rate):.6f}",
-        DIVIDER=description.board_divider(rate),
-        MIDDLE=kind.at_rate(description.board_rate(rate)).center,
+        RATE=f"{rate:.6f}",
+        DIVIDER=divider,
+        MIDDLE=kind.at_rate(rate).center,
         JOG=JOG,
     )
     rows = [(j, *map(degrees, marks(robot, j))) for j in robot.card.joints]
@@ -80,7 +83,11 @@ def _prepare(
     try:
         _write(folder, tool, f"{text}\n")
     except UsageError:  # an owner has begun with it
-        cli.notice(f"{folder.path / tool} stays; remove it to have it written anew")
+        path = folder.path / tool
+        there, frame = read_file(path).decode(errors="replace"), f"{RATE}{rate:.6f};"
+        if RATE in text and frame not in there:
+            raise UsageError.of("other_frames", path, frame=frame) from None
+        cli.notice(f"{path} stays; remove it to have it written anew")
     if (folder.path / f"joint-{len(rows)}.png").exists():  # the last one
         return
     with cli.working(options, "drawing the joints"):
@@ -107,6 +114,8 @@ def _owned(robot: Robot, folder: RunFolder, options: argparse.Namespace) -> Robo
     if robot.has_card_inside and not options.check:
         remedy = f"move it to {source.with_suffix('.toml')}; then go on: {again()}"
         raise UsageError("the card is inside the robot's file", str(source), remedy)
+    if (source.parents[1] / "summary.json").exists() and not options.check:
+        raise UsageError.of("of_a_run", source, name=source.name)
     if source.parent != description.FOLDER:
         return robot
     own = folder.path / source.name

@@ -143,8 +143,9 @@ def _written(
     commands = source.commands(rate)
     write(out, kind, source, commands, table)
     if kind == "header" and table.assumed:
-        measures = command("calibrate", source.run.scenario.robot)
-        cli.notice(f"{ASSUMED}; {measures} measures it")
+        named = source.run.scenario.robot
+        own = Path(named).name if Path(options.scenario).is_dir() else named  # no copy
+        cli.notice(f"{ASSUMED}; {command('calibrate', own)} measures it")
     made = source.servo.kind
     if kind == "dynamixel" and made and made.signal == "pulse" and given is None:
         cli.notice(ON_PULSES)

@@ -25,7 +25,8 @@ HEAD = 365  # bytes of a column without values
 MOST_VALUES, MOST_ROWS = 4 * 10**7, 200_000  # of 8 legs there are 144,088 designs
 MEMORY = 10**9  # bytes of addresses that reading one may take, beside those reserved
 ABOUT = "stratawalk"  # key of the metadata
-SEAL, DIGITS = b"seal of this table: ", 64  # before the digest, and of it
+SEAL = b"seal of this table: "
+SIZE, DIGITS = 12, 76  # digits of its bytes' number, and with those of their digest
 Row = Mapping[str, object]
 
 
@@ -38,24 +39,24 @@ def write_table(
     """
     names = list(dict.fromkeys(name for row in rows for name in row))
     columns = [_column([row.get(name) for row in rows]) for name in names]
-    seal = SEAL + DIGITS * b"0"
-    metadata = {ABOUT: json.dumps(about, sort_keys=True), "seal": seal}
+    empty = SEAL + DIGITS * b"0"
+    metadata = {ABOUT: json.dumps(about, sort_keys=True), "seal": empty}
     table = pa.table(columns, names=names).replace_schema_metadata(metadata)
     size = table.nbytes // 4 + HEAD * table.num_columns
     with whole(path, size, new=new) as part:
         parquet.write_table(table, part, compression="zstd", row_group_size=GROUP_ROWS)
-        place, digest = _seal(part.read_bytes())
+        place, seal = _seal(part.read_bytes())
         with part.open("r+b") as file:
             file.seek(place)
-            file.write(digest)
+            file.write(seal)
 
 
 def _seal(content: bytes) -> tuple[int, bytes]:
-    """Where the digest of a table stands, and what that of all other bytes is."""
+    """Where the seal of a table stands: how many bytes it has, and a digest of them."""
     at, parts = content.rindex(SEAL) + len(SEAL), memoryview(content)
     digest = sha256(parts[:at])
     digest.update(parts[at + DIGITS :])
-    return at, digest.hexdigest().encode()
+    return at, f"{len(content):0{SIZE}}{digest.hexdigest()}".encode()
 
 
 def read_table(path: Path) -> tuple[dict[str, list[object]], dict[str, Any]]:
@@ -76,9 +77,10 @@ def read_table(path: Path) -> tuple[dict[str, list[object]], dict[str, Any]]:
         raise UsageError("no such table", str(path), remedy)
     content = read_file(path, UNPACKED)
     try:
-        if SEAL in content:  # other programs leave it out
-            place, digest = _seal(content)
-            if content[place : place + DIGITS] != digest:
+        if SEAL in content:
+            place, seal = _seal(content)
+            told = content[place : place + DIGITS]
+            if told != seal and told[:SIZE] == seal[:SIZE]:  # else it is written anew
                 raise ValueError("it was changed after it was written")
         texts = _texts(parquet.ParquetFile(pa.BufferReader(content)))
         source = pa.BufferReader(content)

@@ -218,19 +218,6 @@ def test_a_sketch_that_its_owner_has_changed_stays_and_that_is_told(
     assert sketch.read_text().startswith("/")
 
 
-def test_the_make_is_that_of_the_copy_whose_card_is_written(
-    tmp_path, monkeypatch, capsys
-):
-    monkeypatch.setattr("sim.commands.calibrate.draw", lambda *_, **__: None)
-    words = ("calibrate", "quadruped", "--out", str(tmp_path / "mine"))
-    for assumed in True, False:
-        monkeypatch.setattr("sys.stdin", io.StringIO())
-        assert main(words) == 2
-        assert ("are assumed" in capsys.readouterr().err) == assumed
-        card = tmp_path / "mine" / "quadruped.toml"
-        card.write_text(f'{card.read_text()}\n[servo]\nkind = "mg90"\n')
-
-
 def test_a_page_of_another_robot_is_not_taken_for_this_one_s(
     tmp_path, monkeypatch, capsys
 ):

@@ -77,6 +77,17 @@ def test_tables_that_other_programs_have_written_are_read(tmp_path, write):
     assert columns == {"status": ["ok", None, "ok"], "x": [0.5, 1.0, 2.0]}
 
 
+@pytest.mark.parametrize("rows", [slice(0, 3), slice(0, 2)])
+def test_a_table_that_a_program_has_written_anew_is_read(tmp_path, rows):
+    """With the old seal in its metadata, which are kept."""
+    path = tmp_path / "t.parquet"
+    table.write_table(path, [{"status": "ok", "x": 0.5}] * 3, {"asked": 1})
+    part = table.parquet.read_table(path).slice(rows.start, rows.stop)
+    table.parquet.write_table(part, path, compression="zstd", row_group_size=10_000)
+    columns, about = table.read_table(path)
+    assert (columns["x"], about) == ([0.5] * rows.stop, {"asked": 1})
+
+
 @pytest.mark.parametrize(("sealed", "step"), [(True, 1), (False, 7)])
 def test_a_flipped_bit_of_a_table_ends_no_process(tmp_path, sealed, step):
     """With its seal the table is refused; without, pyarrow may find nothing wrong."""
@@ -84,6 +95,7 @@ def test_a_flipped_bit_of_a_table_ends_no_process(tmp_path, sealed, step):
     table.write_table(path, [{"status": "ok", "x": 0.5}] * 3, {})
     content = path.read_bytes()
     mark = range(at := content.index(table.SEAL), at + len(table.SEAL))
+    size = range(mark.stop, mark.stop + 12)  # which says that it was written anew
     if not sealed:
         content = content.replace(table.SEAL, b"?" * len(mark))
     for bit in range(0, 8 * len(content), step):
@@ -95,4 +107,4 @@ def test_a_flipped_bit_of_a_table_ends_no_process(tmp_path, sealed, step):
             passed.add(bit // 8)
         except UsageError:
             pass
-    assert not sealed or passed == {*mark}
+    assert not sealed or passed == {*mark, *size}
