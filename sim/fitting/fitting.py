@@ -40,7 +40,7 @@ NARROWEST = 1e-5  # [rad]; a band that all joints have, so that all are built al
 FITTED = 0.75  # of the rows of a log; the rest checks
 FEWEST_ROWS = 20  # of a log; six parameters are fitted to each joint
 MOST_ANGLES = 175 * 10**4  # of all logs; each takes a kilobyte, and 60 microseconds
-MOST_STEPS = 650_000  # of a log that walks, of which each takes three kilobytes
+MOST_WALKED = 650_000  # of a log that walks, of which each takes three kilobytes
 A_SECOND = 190  # angles take as much as the law of a joint does in a second
 LAST_FIT = re.compile(r"""[ \t]*\[[ \t]*(["']?)fitted\1[ \t]*[.\]]""")
 SHOWS = 2.0  # standard errors, below which backlash or delay is none
@@ -138,8 +138,8 @@ def check_told(path: Path, logs: Sequence[Log]) -> None:
 
 def check_steps(path: Path, logs: Sequence[Log], timestep: float) -> None:
     """Refuse logs that walk more steps of physics [s] than there is room for."""
-    if (steps := max(log.duration for log in logs) / timestep) > MOST_STEPS:
-        raise UsageError.of("steps_of_fit", path, steps=steps, most=MOST_STEPS)
+    if (steps := max(log.duration for log in logs) / timestep) > MOST_WALKED:
+        raise UsageError.of("steps_of_fit", path, steps=steps, most=MOST_WALKED)
 
 
 def _rows(log: Log, kept: bool) -> tuple[Array, Array]:
