@@ -82,7 +82,18 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
         at = MM * walked.pose["achieved"][clearance["achieved"].argmin(), :2]
         for panel in (axes[above], _magnified(axes[above], at, MM * MAGNIFIED)):
             style.draw_walk(panel, walked)
-        _draw_clearance(axes[below], walked)
+        # Physics as a band, and the rims of the prediction's.
+        achieved, predicted = (
+            style.extremes(MM * walked.clearance[n], walked.segment)
+            for n in ("achieved", "quasi_static")
+        )
+        colour = PATHS["achieved"]["color"]
+        style.band(axes[below], *achieved, colour=colour, alpha=0.8, label="physics")
+        segment = np.arange(1, walked.summary.segments + 1)
+        for rim in predicted:
+            axes[below].step(segment, rim, where="mid", **PATHS["quasi_static"])
+        axes[below].lines[-1].set_label("_")
+        axes[below].set_xlim(0.5, walked.summary.segments + 0.5)
         least = (clearance[n].min() for n in ("ideal", "quasi_static", "achieved"))
         counts = summary.wall_contacts, summary.contact_switches
         margin = float(walked.margin["achieved"].min())
@@ -141,21 +152,6 @@ def _fill(axes: Axes, area: shapely.Geometry, scale: float, **look: object) -> N
         rings = [polygon.exterior, *polygon.interiors]
         paths = [Outline(scale * np.array(ring.coords)) for ring in rings]
         axes.add_patch(PathPatch(Outline.make_compound_path(*paths), **look))
-
-
-def _draw_clearance(axes: Axes, walked: Walked) -> None:
-    """Physics as a band, and the rims of the prediction's."""
-    achieved, predicted = (
-        style.extremes(MM * walked.clearance[n], walked.segment)
-        for n in ("achieved", "quasi_static")
-    )
-    colour = PATHS["achieved"]["color"]
-    style.band(axes, *achieved, colour=colour, alpha=0.8, label="physics")
-    segment = np.arange(1, walked.summary.segments + 1)
-    for rim in predicted:
-        axes.step(segment, rim, where="mid", **PATHS["quasi_static"])
-    axes.lines[-1].set_label("_")
-    axes.set_xlim(0.5, walked.summary.segments + 0.5)
 
 
 @dataclass(frozen=True)

@@ -51,7 +51,14 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
     *coarse, finest = made = [walks[name] for name in WALKS]
     for panel, walked in zip("abc", coarse, strict=True):
         style.draw_walk(axes[panel], walked)
-    _draw_bands(axes["d"], finest)
+    # What the physics swings over, and the rims of both predictions.
+    axes["d"].plot(*(MM * finest.nominal.T), "--", color=NOMINAL, zorder=3)
+    for name, look in PATHS.items():
+        rims = MM * envelope(finest.pose[name][:, :2], finest.ends, METRES)
+        if name == "achieved":
+            _fill_between(axes["d"], rims, look["color"])
+        for rim in rims if name != "achieved" else ():
+            axes["d"].plot(*rim.T, **{**look, "label": "_"})
     produced = np.outer([-1.0, 2.0], METRES[:2])  # the line, beyond its ends
     widths = {
         n: np.array([swing_out(w.pose[n][:, :2], w.ends, produced).max() for w in made])
@@ -85,17 +92,6 @@ def _draw_walk(axes: Axes, walked: PaperWalk) -> None:
     axes.plot(*walked.states[:, :2].T, color=IDEAL, linewidth=0.8, label="walked")
     ends = walked.states[walked.ends, :2]
     axes.plot(*ends.T, "o", color=INK, markersize=2, label="ends of segments")
-
-
-def _draw_bands(axes: Axes, walked: Walked) -> None:
-    """What the physics swings over, and the rims of both predictions."""
-    axes.plot(*(MM * walked.nominal.T), "--", color=NOMINAL, zorder=3)
-    for name, look in PATHS.items():
-        rims = MM * envelope(walked.pose[name][:, :2], walked.ends, METRES)
-        if name == "achieved":
-            _fill_between(axes, rims, look["color"])
-        for rim in rims if name != "achieved" else ():
-            axes.plot(*rim.T, **{**look, "label": "_"})
 
 
 def _fill_between(axes: Axes, rims: Array, colour: str) -> None:

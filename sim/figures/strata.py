@@ -122,7 +122,12 @@ def draw_graph(
         for n in nodes.values()
     }
     above = [SPREAD * n.at[0] for n in nodes.values() if n.at[1] == 1]
-    _draw_bottom(axes, bottom, above)
+    # A box as wide as the edges that leave it, so that arrows do not meet.
+    left, right, y = min(above) - 3 * LANE, max(above) + 3 * LANE, bottom.at[1]
+    shape: Style = {"facecolor": "white", "edgecolor": NOMINAL, "linewidth": 1.2}
+    shape["boxstyle"] = "round,pad=0,rounding_size=0.06"
+    box = FancyBboxPatch((left, y - HALF), right - left, 2 * HALF, zorder=3, **shape)
+    axes.add_patch(box)
     faint: Style = {"color": ABSENT, "linewidth": 0.5, "zorder": 0}
     strong: Style = {"color": NOMINAL, "linewidth": 1.2, "zorder": 1}
     for pairs, style in ((graph.edges, faint), (graph.joined, strong)):
@@ -144,15 +149,6 @@ def _ends(one: Node, other: Node, bottom: Node) -> list[Place]:
             (other, other.at, one.at[0]),
         )
     ]
-
-
-def _draw_bottom(axes: Axes, node: Node, ends: Sequence[float]) -> None:
-    """A box as wide as the edges that leave it, so that arrows do not meet."""
-    left, right, y = min(ends) - 3 * LANE, max(ends) + 3 * LANE, node.at[1]
-    shape: Style = {"facecolor": "white", "edgecolor": NOMINAL, "linewidth": 1.2}
-    shape["boxstyle"] = "round,pad=0,rounding_size=0.06"
-    box = FancyBboxPatch((left, y - HALF), right - left, 2 * HALF, zorder=3, **shape)
-    axes.add_patch(box)
 
 
 def _draw_node(axes: Axes, node: Node, note: str, framed: bool) -> Patch | None:
