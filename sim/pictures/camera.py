@@ -107,19 +107,15 @@ def camera(walk: Run, clock: Clock, view: View = ACROSS) -> Camera:
     centre, fitting = _fit(_seen(walk, clock), looks, elevation)
     distance = min(fitting, view.farthest * walk.reach)
     follow = min(1.0, 2 * (1 - distance / fitting))  # leaves room for the robot itself
-    if follow > 0:
-        centre = centre + follow * (_calm(walk, clock) - centre)
+    if follow > 0:  # the body's way over the floor, without its quick motion
+        from scipy.ndimage import gaussian_filter1d  # slow to import, and seldom needed
+
+        body = np.insert(walk.achieved[clock.rows, :2], 2, 0.0, axis=1)
+        calm = gaussian_filter1d(body, CALM * FRAME_RATE, axis=0, mode="nearest")
+        centre = centre + follow * (calm - centre)
     _, right, up = _axes(azimuth, elevation)
     aside = (MIDDLE[0] * HALF_WIDTH * right + MIDDLE[1] * HALF_HEIGHT * up) * distance
     return Camera(centre - aside, azimuth, distance, elevation)
-
-
-def _calm(walk: Run, clock: Clock) -> Array:
-    """The body's way over the floor without its quick motion, (frames, 3) [m]."""
-    from scipy.ndimage import gaussian_filter1d  # slow to import, and seldom needed
-
-    body = np.insert(walk.achieved[clock.rows, :2], 2, 0.0, axis=1)
-    return gaussian_filter1d(body, CALM * FRAME_RATE, axis=0, mode="nearest")
 
 
 def _seen(walk: Run, clock: Clock) -> Array:

@@ -216,14 +216,11 @@ def swept(robot: Solids, walk: Run, clock: Clock) -> Drawing:
     parts = shapely.union_all(robot.covered(walk.qpos[clock.rows]), axis=0)
     done, pieces = shapely.Polygon(), []
     for frame, shape in enumerate(shapely.simplify(parts, FINENESS * walk.reach)):
-        triangles = _triangles(shapely.difference(shape, done))
+        fresh = shapely.get_parts(shapely.difference(shape, done))
+        flat = shapely.MultiPolygon([p for p in fresh if p.area])
+        parted = shapely.constrained_delaunay_triangles(flat)
+        corners = shapely.get_coordinates(shapely.orient_polygons(parted))
+        triangles = corners.reshape(-1, 4, 2)[:, :3]  # closed ones, anticlockwise
         pieces.append(polygons(triangles, np.full(len(triangles), frame)))
         done = shapely.union(done, shape)
     return join(pieces)
-
-
-def _triangles(shape: shapely.Geometry) -> Array:
-    """Triangles that make up a polygon, anticlockwise, shape (n, 3, 2)."""
-    flat = shapely.MultiPolygon([p for p in shapely.get_parts(shape) if p.area])
-    pieces = shapely.orient_polygons(shapely.constrained_delaunay_triangles(flat))
-    return shapely.get_coordinates(pieces).reshape(-1, 4, 2)[:, :3]
