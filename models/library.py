@@ -65,7 +65,14 @@ def load(
     borrowed = Path(source).stem if Path(source).parent == FOLDER != path.parent else ""
     robot = Robot(path.stem, path, text, parse_card(text, source), opened, borrowed)
     if geometry:
-        robot = _variant(robot, geometry)
+        if not robot.is_shipped:
+            raise ModelError(message("own", keys=", ".join(geometry), path=robot.path))
+        try:
+            shape = reshaped(robot.name, geometry)
+        except ValueError as error:
+            raise ModelError(f"{robot.name}: {error}") from error
+        groups = [group.legs for group in robot.card.groups.values()]
+        robot = replace(robot, geometry=dict(geometry), text=write_mjcf(shape, groups))
     try:
         check_parts(robot)
     except ModelError as error:
@@ -75,18 +82,6 @@ def load(
         raise ModelError(message("no_card", **facts)) from error
     check_posture(robot)
     return robot
-
-
-def _variant(robot: Robot, geometry: Mapping[str, float]) -> Robot:
-    """A shipped robot with other numbers of its shape."""
-    if not robot.is_shipped:
-        raise ModelError(message("own", keys=", ".join(geometry), path=robot.path))
-    try:
-        shape = reshaped(robot.name, geometry)
-    except ValueError as error:
-        raise ModelError(f"{robot.name}: {error}") from error
-    groups = [group.legs for group in robot.card.groups.values()]
-    return replace(robot, geometry=dict(geometry), text=write_mjcf(shape, groups))
 
 
 def _find(name: str) -> Path:

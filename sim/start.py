@@ -21,7 +21,12 @@ def main() -> int:
     for number in heeded():
         signal.signal(number, _end_early)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDS)  # they waited for this
-    _prepare_streams()
+    # All is said on any terminal, and nothing where there is none.
+    sys.stdin = sys.stdin or open(os.devnull)  # noqa: SIM115
+    sys.stdout = sys.stdout or open(os.devnull, "w")  # noqa: SIM115
+    sys.stderr = sys.stderr or open(os.devnull, "w")  # noqa: SIM115
+    for stream in (sys.stdout, sys.stderr):
+        stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
     gc.set_threshold(50_000)  # objects between searches for garbage: most last
     os.environ["PYTHONSAFEPATH"] = "1"  # no process takes modules of a working folder
     for name in [name for name in os.environ if name.startswith("SYMPY_")]:
@@ -49,15 +54,6 @@ def _end_early(number: int, frame: object) -> NoReturn:
     line = f"stratawalk: error: {what}; nothing was begun; start again: {again()}\n"
     os.write(2, line.encode())
     os._exit(code)
-
-
-def _prepare_streams() -> None:
-    """Say everything on any terminal, and nothing where there is none."""
-    sys.stdin = sys.stdin or open(os.devnull)  # noqa: SIM115
-    sys.stdout = sys.stdout or open(os.devnull, "w")  # noqa: SIM115
-    sys.stderr = sys.stderr or open(os.devnull, "w")  # noqa: SIM115
-    for stream in (sys.stdout, sys.stderr):
-        stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
 
 
 if __name__ == "__main__":

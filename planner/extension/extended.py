@@ -70,7 +70,13 @@ class ExtendedSystem:
             inputs = self._least_norm(matrix, velocity, x, units)
         else:
             inputs = (inverse @ velocity[..., self._moving, None])[..., 0]
-        self._require_reached(matrix, inputs, velocity, x)
+        missed = np.abs((matrix @ inputs[..., None])[..., 0] - velocity)
+        allowed = UNREACHED * np.abs(velocity).max(axis=-1, keepdims=True) + 1e-12
+        if (missed > allowed).any():
+            *where, i = np.unravel_index((missed - allowed).argmax(), missed.shape)
+            facts = {"name": self.system.state[i], "bottom": self.system.bottom}
+            facts |= {"place": point(x[tuple(where)]), "missed": missed[(*where, i)]}
+            raise PlannerError(message("no_element", **facts))
         return inputs
 
     def to_degree(self, degree: int) -> "ExtendedSystem":
@@ -140,17 +146,6 @@ class ExtendedSystem:
         if matrix.shape[-1] != matrix.shape[-2]:
             return np.ones(x.shape[:-1])
         return np.linalg.slogdet(matrix)[0]
-
-    def _require_reached(
-        self, matrix: Array, inputs: Array, velocity: Array, x: Array
-    ) -> None:
-        missed = np.abs((matrix @ inputs[..., None])[..., 0] - velocity)
-        allowed = UNREACHED * np.abs(velocity).max(axis=-1, keepdims=True) + 1e-12
-        if (missed > allowed).any():
-            *where, i = np.unravel_index((missed - allowed).argmax(), missed.shape)
-            facts = {"name": self.system.state[i], "bottom": self.system.bottom}
-            facts |= {"place": point(x[tuple(where)]), "missed": missed[(*where, i)]}
-            raise PlannerError(message("no_element", **facts))
 
 
 def extend(

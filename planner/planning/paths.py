@@ -204,14 +204,8 @@ def _formula_curve(*texts: str) -> tuple[Path, float]:
         raise ValueError(f"not finite at s = {places[~finite][0]:.4g}; keep it finite")
     if (poses == poses[0]).all():
         raise ValueError("all poses are the same; let x, y or yaw change with s")
-    _require_no_jump(at, places, poses)
-    return Path(at), _arc_length(at, places)
-
-
-def _require_no_jump(at: Callable[[Array], Array], places: Array, poses: Array) -> None:
-    """Raise `ValueError` where a largest step stays as large between closer places."""
     steps = np.abs(np.diff(poses, axis=0))
-    for axis, k in enumerate(steps.argmax(axis=0)):
+    for axis, k in enumerate(steps.argmax(axis=0)):  # jumps stay as large in between
         ends, step = places[k : k + 2], 0.0
         for _ in range(HALVINGS):
             low, high = ends
@@ -220,6 +214,7 @@ def _require_no_jump(at: Callable[[Array], Array], places: Array, poses: Array) 
             ends, step = ends[parts.argmax() :][:2], parts.max()
         if step > steps[k, axis] / 2 > 0.0:
             raise ValueError(message("jumps", name=COLUMNS[axis], place=ends[0]))
+    return Path(at), _arc_length(at, places)
 
 
 def table_curve(poses: Sequence[Sequence[float]]) -> tuple[Path, float]:

@@ -84,7 +84,14 @@ class StratifiedSystem:
             ("lifts", declaration.checked_lifts(self.lifts, strata)),
         ):
             object.__setattr__(self, name, value)
-        self._require_distinct_contacts()
+        for name in self.strata if len(self.strata) > 1 else ():
+            clear = len(set(name)) == len(name) and ("0" not in name or name == "0")
+            if not (clear or self.level_sets):
+                raise ValueError(message("contacts", name=name))
+        seen: dict[frozenset[str], str] = {}
+        for name, contacts in self.contacts.items():
+            if (other := seen.setdefault(contacts, name)) != name:
+                raise ValueError(message("alike", other=other, name=name))
         for stratum in self.strata:
             self._require_tangent_fields(stratum)
 
@@ -211,16 +218,6 @@ class StratifiedSystem:
                 through = counts[a, by] + counts[by, b]
                 counts[a, b] = min(through, counts.get((a, b), through))
         return counts
-
-    def _require_distinct_contacts(self) -> None:
-        for name in self.strata if len(self.strata) > 1 else ():
-            clear = len(set(name)) == len(name) and ("0" not in name or name == "0")
-            if not (clear or self.level_sets):
-                raise ValueError(message("contacts", name=name))
-        seen: dict[frozenset[str], str] = {}
-        for name, contacts in self.contacts.items():
-            if (other := seen.setdefault(contacts, name)) != name:
-                raise ValueError(message("alike", other=other, name=name))
 
     def _require_tangent_fields(self, stratum: str) -> None:
         level_set = self.level_set(stratum)

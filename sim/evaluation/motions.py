@@ -8,7 +8,7 @@ import numpy as np
 
 from models import TwistModel
 from planner import Array
-from sim.compliant.prediction import CompliantPrediction, foreseen
+from sim.compliant.prediction import foreseen
 from sim.logs.playing import Played, rigid
 from sim.motion.poses import rotate, seen_from, wrap
 from sim.motion.prediction import Commanded, Prediction, Predictor, commanded
@@ -81,7 +81,12 @@ def predicted_along(
     every = [block for stretch in given for block in stretch]
     contact = np.concatenate([block.contact for block in every])
     if name == COMPLIANT.key:
-        return _compliant(walk, contact)
+        known, moments = walk.setup.as_known, walk.recording.moments
+        rows = laid_commands(known, walk.stretches, walk.steps)
+        times = moments.step * walk.setup.limits.timestep
+        found = foreseen(known, walk.stretches, rows, times, contact)
+        before = found.slip[moments.step.searchsorted(walk.starts)]
+        return replace(found, slip=np.maximum(found.slip - before, 0.0))
     if (motion := walk.setup.motion) is not None:
         margin = np.concatenate([block.margin for block in every])
         return rigid(motion, walk.setup.ground, contact, margin, time_of(walk))
@@ -98,16 +103,6 @@ def predicted_along(
     pose, slip, margin, contact = map(np.concatenate, zip(*pieces, strict=True))
     pose = np.concatenate([pose[:, :2], wrap(pose[:, 2:])], axis=1)
     return Prediction(pose, slip, margin, contact)
-
-
-def _compliant(walk: Walk, contact: Array) -> CompliantPrediction:
-    """The compliant prediction, with what it knows of the robot."""
-    known, moments = walk.setup.as_known, walk.recording.moments
-    rows = laid_commands(known, walk.stretches, walk.steps)
-    times = moments.step * walk.setup.limits.timestep
-    found = foreseen(known, walk.stretches, rows, times, contact)
-    before = found.slip[moments.step.searchsorted(walk.starts)]
-    return replace(found, slip=np.maximum(found.slip - before, 0.0))
 
 
 def time_of(walk: Walk) -> Array:

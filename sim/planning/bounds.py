@@ -204,7 +204,12 @@ class MarginBound:
             np.minimum.at(margins, segment, stage.predictor(stage.rows).margin)
         standing = np.ones_like(margins)
         if margins.min() < self.least:
-            stratum, most = _standing_margin(setup)
+            # The gait's least stable stratum with legs at angle 0, and its margin [m].
+            strata, lift = tuple(setup.raised), np.array(list(setup.raised.values()))
+            stance = setup.kinematics.stance(np.zeros_like(lift), lift)
+            contact = np.array([setup.robot.planted(stratum) for stratum in strata])
+            margin = stability_margin(stance.feet, contact, stance.center_of_mass)
+            stratum, most = strata[int(margin.argmin())], float(margin.min())
             if most <= self.least:
                 raise self._refusal(stratum, most, float(margins.min()))
             standing[:] = most - self.least
@@ -214,15 +219,6 @@ class MarginBound:
         what = "margin_walking" if walking > standing else "margin_standing"
         facts = {"walking": walking, "standing": standing, "stratum": stratum}
         return BoundError(message(what, least=self.least, **facts))
-
-
-def _standing_margin(setup: Setup) -> tuple[str, float]:
-    """The gait's least stable stratum with legs at angle 0, and its margin [m]."""
-    strata, lift = tuple(setup.raised), np.array(list(setup.raised.values()))
-    stance = setup.kinematics.stance(np.zeros_like(lift), lift)
-    contact = np.array([setup.robot.planted(stratum) for stratum in strata])
-    margin = stability_margin(stance.feet, contact, stance.center_of_mass)
-    return strata[int(margin.argmin())], float(margin.min())
 
 
 @dataclass(frozen=True)

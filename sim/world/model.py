@@ -61,7 +61,12 @@ def build(robot: Robot, scenario: Scenario) -> World:
     servos = servo_settings(scenario, robot.card)
     with _free_names(robot):
         floor = ensure_floor(spec, robot)
-        _set_contact(spec, robot, floor.name, scenario.friction)
+        # The engine takes the floor's sliding friction. Nothing sticks, moves, or has a
+        # margin: the stiff contact would throw a foot that is yet above the floor.
+        for geom in map(spec.geom, (floor.name, *robot.card.feet)):
+            geom.friction = (scenario.friction, *geom.friction[1:])
+            geom.margin = geom.gap = geom.adhesion = 0.0
+            geom.surfacevel = np.zeros(6)
         ensure_servos(spec, robot, servos)
         ensure_motors(spec, robot, servos)
         add_imperfections(spec, robot, floor.name, scenario)
@@ -96,18 +101,6 @@ def _free_names(robot: Robot) -> Iterator[None]:
             raise
         why = " ".join(str(error).split())
         raise ModelError(message("own_name", path=robot.path, why=why)) from error
-
-
-def _set_contact(spec: mujoco.MjSpec, robot: Robot, floor: str, value: float) -> None:
-    """Sliding friction of floor and feet, of which the engine takes the floor's.
-
-    They neither stick nor move, and have no margin: the stiff contact would throw a
-    foot that is yet above the floor.
-    """
-    for geom in map(spec.geom, (floor, *robot.card.feet)):
-        geom.friction = (value, *geom.friction[1:])
-        geom.margin = geom.gap = geom.adhesion = 0.0
-        geom.surfacevel = np.zeros(6)
 
 
 def ensure_start(spec: mujoco.MjSpec, robot: Robot, floor: Floor) -> float:
