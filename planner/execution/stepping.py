@@ -173,7 +173,14 @@ def reposition_legs(
     if not np.isfinite(cost[tuple(here)]):
         return None
     while here != list(goal):
-        leg, place = _next(cost, ways, steady, here)
+        found = []  # next moves: what is left to pay, leg and place
+        for leg, (way, free) in enumerate(zip(ways, steady, strict=True)):
+            if free[tuple(here)]:
+                line: tuple[int | slice, ...]
+                line = (*here[:leg], slice(None), *here[leg + 1 :])
+                onward = way[here[leg]] + np.where(free, cost, np.inf)[line]
+                found.append((float(onward.min()), leg, int(onward.argmin())))
+        leg, place = min(found)[1:]
         here[leg] = place
         moves.append((leg, float(places[leg][place])))
     return moves
@@ -188,17 +195,3 @@ def _nearer(cost: Array, ways: Sequence[Array], steady: Array) -> Array:
         onward = across.min(axis=1).swapaxes(leg, 0)
         best = np.minimum(best, np.where(free, onward, np.inf))
     return best
-
-
-def _next(
-    cost: Array, ways: Sequence[Array], steady: Array, here: Sequence[int]
-) -> tuple[int, int]:
-    """Leg and place of the next move of a cheapest sequence."""
-    found = []
-    for leg, (way, free) in enumerate(zip(ways, steady, strict=True)):
-        if free[tuple(here)]:
-            line: tuple[int | slice, ...]
-            line = (*here[:leg], slice(None), *here[leg + 1 :])
-            onward = way[here[leg]] + np.where(free, cost, np.inf)[line]
-            found.append((float(onward.min()), leg, int(onward.argmin())))
-    return min(found)[1:]

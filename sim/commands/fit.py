@@ -46,7 +46,8 @@ def fit(options: argparse.Namespace) -> None:
         if angles := [log for log in logs if log.measured is not None]:
             with stage(progress, "fitting servos"):
                 fit = fitting.fit_joints(setup, angles, walking)
-            fitted |= fit.settings(setup.robot.card.joints)
+            card = setup.robot.card
+            fitted |= fit.settings(card.joints, card.fitted)
             both = zip(fit.joints, fit.before.tolist(), fit.after.tolist(), strict=True)
             kept = {joint: {"before": b, "after": a} for joint, b, a in both if b == b}
             facts["servos"] = {"unseen": fit.make.unseen(), "held_out": kept}

@@ -5,7 +5,6 @@ starts. Legs of fewer hinges than others have idle ones, whose axes are zero, an
 of fewer points have absent ones, far above any floor. Other joints are rigid.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import mujoco
@@ -94,7 +93,13 @@ def anatomy_of(robot: Robot, model: mujoco.MjModel) -> Anatomy:
         anchor[f, len(chain) :] = anchor[f, len(chain) - 1]
     centers = (data.xipos - origin) @ turned
     body_mass, body_moment = 0.0, np.zeros(3)
-    for body, link in _links(model, root, owner).items():
+    links: dict[int, tuple[int, int] | None] = {root: None}  # leg and hinge of bodies
+    for body in range(root + 1, model.nbody):
+        if (parent := int(model.body_parentid[body])) in links:
+            joints = model.body_jntadr[body] + np.arange(model.body_jntnum[body])
+            own = [owner[joint] for joint in joints.tolist() if joint in owner]
+            links[body] = own[-1] if own else links[parent]
+    for body, link in links.items():
         if link is None:
             body_mass += float(model.body_mass[body])
             body_moment += model.body_mass[body] * centers[body]
@@ -159,19 +164,6 @@ def _slack(model: mujoco.MjModel, joint: str, damping: float) -> tuple[float, fl
         width += float(np.ptp(model.joint(loose).range))
         rub = float(model.joint(loose).damping[0])
     return width, rub
-
-
-def _links(
-    model: mujoco.MjModel, root: int, owner: Mapping[int, tuple[int, int]]
-) -> dict[int, tuple[int, int] | None]:
-    """The robot's bodies, each with the leg and hinge that turn it, if any do."""
-    found: dict[int, tuple[int, int] | None] = {root: None}
-    for body in range(root + 1, model.nbody):
-        if (parent := int(model.body_parentid[body])) in found:
-            joints = model.body_jntadr[body] + np.arange(model.body_jntnum[body])
-            own = [owner[joint] for joint in joints.tolist() if joint in owner]
-            found[body] = own[-1] if own else found[parent]
-    return found
 
 
 def _soles(

@@ -13,6 +13,8 @@ from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
 from pathlib import Path
+from types import MappingProxyType
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -60,9 +62,15 @@ class JointFit:
     before: Array  # root mean square of what was kept: as described, (J,) [rad]
     after: Array  # and as fitted, (J,) [rad]
 
-    def settings(self, joints: Sequence[str]) -> dict[str, tuple[Value, Value]]:
-        """Settings that were seen and their standard errors, for a robot's joints."""
+    def settings(
+        self, joints: Sequence[str], earlier: Mapping[str, Any] = MappingProxyType({})
+    ) -> dict[str, tuple[Value, Value]]:
+        """Settings that were seen and their standard errors, for a robot's joints.
+
+        Joints that were not fitted keep what an earlier fit has found.
+        """
         found: dict[str, tuple[Value, Value]] = {}
+        before = earlier, earlier.get("errors")
         for k, parameter in enumerate(self.make.parameters):
             number, off = self.make.of(k)
             none = parameter.low == 0 and number < max(SHOWS * off, LEAST)
@@ -72,10 +80,20 @@ class JointFit:
             if (seen := self.own.seen[:, k]).any():
                 both = np.array([self.own.value[:, k], self.own.error[:, k]])
                 both[:, ~seen | (np.abs(both[0]) < LEAST)] = 0.0
-                of = [dict(zip(self.joints, n.tolist(), strict=True)) for n in both]
-                value, error = ([n.get(joint, 0.0) for joint in joints] for n in of)
+                known = [_list(table, parameter.setting, joints) for table in before]
+                for row, numbers in zip(known, both.tolist(), strict=True):
+                    row |= zip(self.joints, numbers, strict=True)
+                value, error = ([row[joint] for joint in joints] for row in known)
                 found[parameter.setting] = value, error
         return found
+
+
+def _list(table: object, key: str, joints: Sequence[str]) -> dict[str, float]:
+    """What a table's list has of joints, 0 without one."""
+    numbers = table.get(key) if isinstance(table, Mapping) else None
+    if not isinstance(numbers, list) or len(numbers) != len(joints):
+        numbers = [0.0] * len(joints)
+    return dict(zip(joints, numbers, strict=True))
 
 
 def fit_joints(setup: Setup, logs: Sequence[Log], walking: bool) -> JointFit:
@@ -202,8 +220,9 @@ def card_text(robot: Robot, fitted: Fitted, sources: Sequence[str]) -> str:
             raise UsageError.of("untaken", ", ".join(sources), **facts) from None
     lines = [f"{key} = {json.dumps(value)}" for key, (value, _) in fitted.items()]
     errors = [f"{key} = {json.dumps(error)}" for key, (_, error) in fitted.items()]
-    came = f"source = [{', '.join(map(toml_text, sources))}]"
-    table = ["[fitted]", *lines, came, "", "[fitted.errors]", *errors]
+    lines.append(f"joints = [{', '.join(map(toml_text, robot.card.joints))}]")
+    lines.append(f"source = [{', '.join(map(toml_text, sources))}]")
+    table = ["[fitted]", *lines, "", "[fitted.errors]", *errors]
     text = "\n".join([without_tables(robot.card_text, LAST_FIT), "", *table, ""])
     try:
         parse_toml(text)

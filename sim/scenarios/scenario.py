@@ -147,8 +147,10 @@ def drawn(scenario: Scenario, robot: "Robot") -> Scenario:
 
 
 def _fitted(scenario: Scenario, robot: "Robot") -> Scenario:
-    card, known = f"the card of {robot}", (*FITTED, "source", "errors")
+    card, known = f"the card of {robot}", (*FITTED, "joints", "source", "errors")
     found: dict[str, Any] = {}
+    if robot.card.fitted.get("joints", joints := [*robot.card.joints]) != joints:
+        raise UsageError.of("fitted_joints", card)
     for key, value in robot.card.fitted.items():
         if key not in known:
             raise UsageError.of("fitted", card, key=key, near=did_you_mean(key, known))

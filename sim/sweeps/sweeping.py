@@ -114,8 +114,13 @@ def points_of(sweep: Sweep, shard: Shard) -> Points:
             facts = {"count": len(numbers), "most": int(done / share)}
             raise UsageError.of("points", f"sweep {sweep.name!r}", **facts)
     shapes = {(s.robot, *(s.geometry or ())) for s in scenarios.values()}
-    for robot, *names in sorted(shapes):
-        _require_robot(robot, names)
+    for robot, *names in sorted(shapes):  # refused beforehand
+        if not Path(robot).is_file():
+            load(robot)  # which finds shipped ones alone
+        known = geometry_of(robot) if robot in shipped_robots() else names
+        for name in (name for name in names if name not in known):
+            what = f"unknown number geometry.{name} of {robot}"
+            raise UsageError(what, "the sweep's file", did_you_mean(name, known))
     first: dict[Hashable, int] = {}  # point of a plan; others differ in physics alone
     return Points(
         sweep,
@@ -123,16 +128,6 @@ def points_of(sweep: Sweep, shard: Shard) -> Points:
         {n: digest(scenario, sweep.without) for n, scenario in scenarios.items()},
         {n: first.setdefault(s.key(*PLAN), n) for n, s in scenarios.items()},
     )
-
-
-def _require_robot(robot: str, names: Sequence[str]) -> None:
-    """Refuse what cannot be found, a robot or a number of its shape, beforehand."""
-    if not Path(robot).is_file():
-        load(robot)  # which finds shipped ones alone
-    known = geometry_of(robot) if robot in shipped_robots() else names
-    for name in (name for name in names if name not in known):
-        what = f"unknown number geometry.{name} of {robot}"
-        raise UsageError(what, "the sweep's file", did_you_mean(name, known))
 
 
 def carry_on(

@@ -66,7 +66,7 @@ def test_the_body_is_fitted_to_a_walk_whose_commands_came_late(
     log = SimpleNamespace(measured=angles, done=())
     sources = setup, [log], Course(np.array([1.0, 2.0]), in_force)
     servos = SimpleNamespace(
-        settings=lambda _: {"command_delay": (late, 0.001)},
+        settings=lambda *_: {"command_delay": (late, 0.001)},
         joints=(), before=np.zeros(0), after=np.zeros(0),
         make=SimpleNamespace(unseen=list),
     )  # fmt: skip

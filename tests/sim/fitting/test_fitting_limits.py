@@ -63,6 +63,19 @@ def test_backlash_of_less_than_two_standard_errors_is_none(value, none, low):
     assert found == pytest.approx(0.0 if none and low == 0 else value)
 
 
+@pytest.mark.parametrize("errors", [{"bands": [0.01, 0.02]}, 5, {"bands": [0.01]}])
+def test_joints_that_a_log_has_not_keep_what_an_earlier_fit_has_found(errors):
+    one = Parameter(name="a", unit="", spread=1.0, step=1.0, low=0.0, setting="bands")
+    own = estimates([one], [0.3], [0.03])
+    fit = JointFit(("hip",), own, own, own, np.zeros(1), np.zeros(1))
+    found = fit.settings(["hip", "knee"], {"bands": [0.1, 0.2], "errors": errors})
+    value, error = found["bands"]
+    assert value == pytest.approx([0.3, 0.2])
+    whole = isinstance(errors, dict) and len(errors["bands"]) == 2
+    # what is expected beforehand, within 1, makes the first a little smaller
+    assert error == pytest.approx([0.03, 0.02 if whole else 0.0], rel=1e-3)
+
+
 def test_slack_that_no_scenario_takes_is_none():
     """Below a billionth of a radian, however small its error is."""
     one = Parameter(name="a", unit="", spread=1.0, step=1.0, low=0.0, setting="slack")

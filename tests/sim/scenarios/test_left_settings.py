@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 
 from models import load
+from sim.errors import UsageError
 from sim.scenarios.file import dumps, load_scenario, scenario_from
 from sim.scenarios.scenario import drawn
 from sim.scenarios.settings import SETTINGS
@@ -30,6 +31,18 @@ def test_a_fitted_number_yields_to_one_that_is_named_though_it_is_the_default(fi
     assert (found.friction, found.backlash) == (default, 0.01)
     left = drawn(load_scenario("line"), fitted)
     assert (left.friction, left.backlash) == (0.3, 0.01)
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_what_was_fitted_is_of_the_joints_of_the_card(fitted, order):
+    joints = [*fitted.card.joints][::order]
+    card = replace(fitted.card, fitted={"friction": 0.3, "joints": joints})
+    other = replace(fitted, card=card)
+    if order == 1:
+        assert drawn(load_scenario("line"), other).friction == 0.3
+        return
+    with pytest.raises(UsageError, match="or of these in another order: the card of"):
+        drawn(load_scenario("line"), other)
 
 
 def test_what_is_named_is_not_drawn_though_it_is_the_default():
