@@ -28,18 +28,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     gl.choose()
     with interruption.listening():
         try:
-            return _ended(words)
+            try:
+                code = _execute(words)
+                print(end="", flush=True)  # a reader that left must be noticed here
+            except BaseException as error:  # a user's own Python may raise anything
+                return _fail(interruption.meant(error), words)
         except KeyboardInterrupt as error:  # which came while another was told
             return _fail(interruption.meant(error), words)
-
-
-def _ended(words: Sequence[str]) -> int:
-    try:
-        code = _execute(words)
-        print(end="", flush=True)  # a reader that left must be noticed here
-    except BaseException as error:  # a user's own Python may raise anything
-        return _fail(interruption.meant(error), words)
-    return code
+        return code
 
 
 def _execute(words: Sequence[str]) -> int:

@@ -51,9 +51,8 @@ class WeighedValues:
             with np.errstate(all="ignore"):
                 values = np.array([column(x) for x in self.points])
                 sizes = np.array([column.weight(x) for x in self.points])
-            sizes = np.where(np.isfinite(sizes), sizes, 0.0)  # which may be huge nearby
-            sizes = np.maximum(sizes, np.median(sizes))[:, None]
-            return np.where(np.abs(values) <= TRUSTED * sizes, 0.0, values)
+            largest = np.where(np.isfinite(sizes), sizes, 0.0).max()
+            return np.where(np.abs(values) <= TRUSTED * largest, 0.0, values)
         with np.errstate(all="ignore"):
             rows = [self._settled(entry) for entry in column]
         return np.stack(np.broadcast_arrays(self.points[:, 0], *rows)[1:], axis=1)

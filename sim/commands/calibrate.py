@@ -29,7 +29,6 @@ MOST_MISTAKES = 100  # of a person at one question; a pipe may hold any number
 LONGEST_ANSWER = 200  # letters
 T = TypeVar("T")
 OUT = "calibration"  # the folder that files go to where none is named
-RATE = "const float RATE = "  # in the sketch
 SKETCH, SCRIPT, PAGE, SHEET = "jog.ino", "bus.py", "index.html", "feet.svg"
 
 
@@ -84,8 +83,8 @@ def _prepare(
         _write(folder, tool, f"{text}\n")
     except UsageError:  # an owner has begun with it
         path = folder.path / tool
-        there, frame = read_file(path).decode(errors="replace"), f"{RATE}{rate:.6f};"
-        if RATE in text and frame not in there:
+        there, frame = read_file(path).decode(errors="replace"), f"RATE = {rate:.6f};"
+        if frame in text and frame not in there:
             raise UsageError.of("other_frames", path, frame=frame) from None
         cli.notice(f"{path} stays; remove it to have it written anew")
     if (folder.path / f"joint-{len(rows)}.png").exists():  # the last one

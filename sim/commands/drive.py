@@ -49,7 +49,7 @@ def drive(options: argparse.Namespace) -> None:
         commands = _opened(files, options.commands, "w", sys.stdout)
         files.enter_context(keeping(kept))
         link = Link(Poses(poses), commands, options.pace, options.patience)
-        walk = served(scenario)
+        walk = served(scenario, cli.robot_of(options, scenario.robot))
         if not walk.setup.servo.rate:
             cli.notice(message("every_step", rate=walk.rate))
         link.send(walk, walk.stand())

@@ -1,7 +1,7 @@
 """`stratawalk fit`: what a robot did not come with, estimated from its logs."""
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import replace
 from math import floor, log10, sqrt
@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from models import shipped_robots
+from models import Robot, load, shipped_robots
 from sim.commands import options as cli
 from sim.endings import command
 from sim.errors import UsageError
@@ -22,10 +22,12 @@ from sim.logs.log import Log
 from sim.logs.playing import scenario_of
 from sim.preparation.setup import Setup, prepare
 from sim.progress import bar, stage
-from sim.runs.run import read_run
+from sim.runs.run import Run, read_run
+from sim.scenarios.scenario import FITTED
 from sim.scenarios.settings import SETTINGS
 from sim.templates import render
 
+BUILT = ("body_mass", "body_inertia", "body_pos", "body_quat", "jnt_axis")
 MILLI, MILLI_UNITS = 1e3, {"rad": "mrad", "s": "ms"}  # in tables
 
 
@@ -87,14 +89,7 @@ def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | No
         raise UsageError(what, "fit", f"name it: {command('fit', 'hexapod', first)}")
     run = runs.get(paths[0])
     robot = cli.robot_of(options, run.scenario.robot if run and not named else first)
-    worlds = {path: dict(other.scenario.key("world")) for path, other in runs.items()}
-    for path, world in worlds.items():
-        if runs[path].card != (run.card if run and not named else robot.card):
-            raise UsageError.of("other_robot", path, first=first)
-        one, known = next(iter(worlds.items()))
-        differ = [name for name, value in known.items() if world[name] != value]
-        if odd := {*differ} - {"motion", "robot"}:  # files of each folder
-            raise UsageError.of("other_world", path, name=min(odd), first=one)
+    _require_alike(runs, robot if named else None, options)
     settings = cli.settings_of(options)
     if run and settings:
         raise UsageError.of("knows_settings", paths[0])
@@ -116,6 +111,27 @@ def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | No
     except ValueError as error:
         raise UsageError.at(str(paths[0]), error) from error
     return setup, logs, walked
+
+
+def _require_alike(
+    runs: Mapping[Path, Run], named: Robot | None, options: argparse.Namespace
+) -> None:
+    """Refuse runs of other robots than the named one, or than the first run's."""
+    first, known = options.sources[0], _made(named) if named else ()
+    scenarios = [run.scenario for run in runs.values()]
+    for path, own in zip(runs, scenarios, strict=True):
+        external = {"allow_external": options.allow_external}
+        made = _made(load(own.robot, geometry=own.geometry, **external))
+        if made != (known := known or made):
+            raise UsageError.of("other_robot", path, first=first)
+        for name in (*FITTED, "servo", "servo_data", *["draw"] * own.is_imperfect):
+            if getattr(own, name) != getattr(scenarios[0], name):
+                raise UsageError.of("other_world", path, name=name, first=first)
+
+
+def _made(robot: Robot) -> tuple[object, ...]:
+    """What a robot's motion depends on, beside its servos."""
+    return robot.card.legs, *(getattr(robot.model, name).tolist() for name in BUILT)
 
 
 def _check_logs(paths: Sequence[Path], logs: Sequence[Log], held: bool) -> None:

@@ -121,12 +121,15 @@ class Phases:
     def _found(self, course: Course) -> list[Motions]:
         """What every robot does in each phase; kinds that are new are computed."""
         known = {s: [like for like, _ in kinds] for s, kinds in self.kinds.items()}
-        means = {s: sorted(_means(alike)) for s, alike in known.items()}
+        means = {
+            shape: sorted((float(one.looks.mean()), i) for i, one in enumerate(alike))
+            for shape, alike in known.items()
+        }  # which are as near as the commands of phases that are alike
         where, new, held = [], [], 0
         for phase in range(len(course.spans)):
             shape, like = _window(course, phase)
             alike, order = known.setdefault(shape, []), means.setdefault(shape, [])
-            ((mean, _),) = _means([like])
+            mean = float(like.looks.mean())
             ends = bisect(order, (mean - NEAR, 0)), bisect(order, (mean + NEAR, 0))
             near = sorted(i for _, i in order[slice(*ends)])
             same = (i for i in near if self._same(alike[i], like))
@@ -197,11 +200,6 @@ class Phases:
             torque=track.torque,
             margin=stability_margin(track.point, stands, center),
         )
-
-
-def _means(some: Sequence[Likeness]) -> Iterator[tuple[float, int]]:
-    """Means of the commands, which are as near as those of phases that are alike."""
-    return ((float(one.looks.mean()), i) for i, one in enumerate(some))
 
 
 def _window(course: Course, phase: int) -> tuple[tuple[int, ...], Likeness]:

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from models import Robot
 from models.description import actuators_driving
 from planner import Array
 from sim.drive.drive import Drive
@@ -109,7 +110,7 @@ class ServedWalk:
             self._given += 1
 
 
-def served(scenario: Scenario) -> ServedWalk:
+def served(scenario: Scenario, robot: Robot | None = None) -> ServedWalk:
     """A served walk, planned in pieces, of a robot without known imperfections.
 
     Its path is that of a replanned walk: around obstacles, and divided to keep bounds.
@@ -118,7 +119,7 @@ def served(scenario: Scenario) -> ServedWalk:
         if (value := getattr(scenario, key)) not in allowed:
             where = f"scenario {scenario.name!r}"
             raise UsageError.of("piecewise", where, key=key, value=value)
-    setup = prepare(scenario)
+    setup = prepare(scenario, robot)
     known = setup.scenario
     learn = True if scenario.learn is None else scenario.learn
     band = known.as_assumed.dead_band  # for which commands allow, a number by now

@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any
 
 import mujoco
@@ -62,9 +61,7 @@ class JointFit:
     before: Array  # root mean square of what was kept: as described, (J,) [rad]
     after: Array  # and as fitted, (J,) [rad]
 
-    def settings(
-        self, joints: Sequence[str], earlier: Mapping[str, Any] = MappingProxyType({})
-    ) -> dict[str, tuple[Value, Value]]:
+    def settings(self, joints: Sequence[str], earlier: Mapping[str, Any]) -> Fitted:
         """Settings that were seen and their standard errors, for a robot's joints.
 
         Joints that were not fitted keep what an earlier fit has found.
@@ -90,10 +87,9 @@ class JointFit:
 
 def _list(table: object, key: str, joints: Sequence[str]) -> dict[str, float]:
     """What a table's list has of joints, 0 without one."""
-    numbers = table.get(key) if isinstance(table, Mapping) else None
-    if not isinstance(numbers, list) or len(numbers) != len(joints):
-        numbers = [0.0] * len(joints)
-    return dict(zip(joints, numbers, strict=True))
+    given: Any = table.get(key) if isinstance(table, Mapping) else None
+    whole = isinstance(given, list) and len(given) == len(joints)
+    return dict(zip(joints, given if whole else [0.0] * len(joints), strict=True))
 
 
 def fit_joints(setup: Setup, logs: Sequence[Log], walking: bool) -> JointFit:

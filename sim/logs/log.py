@@ -214,8 +214,9 @@ def _log(
         elif angles == "degrees" and (joint in joints or name in ANGLES):
             columns[name] = np.radians(numbers)
     start, done = time - time[0], [*_said_of_clock(time)]
-    parts = ((c, c.removeprefix(MEASURED).removesuffix(".error")) for c in columns)
-    done += (f"{c} is left out; there is no {b}" for c, b in parts if b not in columns)
+    of = {c: c[:-6] for c in BODY["spread"]} | {MEASURED + j: j for j in joints}
+    alone = [c for c in columns if of.get(c, c) not in columns]
+    done += (f"{c} is left out; there is no {of[c]}" for c in alone)
     asked = np.stack([_bridged(start, columns[j], j, done) for j in commanded], axis=1)
     for name, numbers in columns.items():
         row = int(np.nanargmax(np.abs(numbers)))
@@ -290,8 +291,7 @@ def _stacked(columns: Mapping[str, Array], names: Sequence[str]) -> Array | None
 def written(log: Log) -> str:
     """The text of a log, which `read_log` reads back with every digit."""
     names, columns = [TIME, *log.joints], [log.time, *log.commanded.T]
-    measured = {"measured": tuple(MEASURED + joint for joint in log.joints)}
-    for part, own in (measured | BODY).items():
+    for part, own in {"measured": [MEASURED + j for j in log.joints], **BODY}.items():
         if (values := getattr(log, part)) is not None:
             names += own
             columns += [*values.T]

@@ -57,8 +57,17 @@ def open_loop_plans(setup: Setup) -> Iterator[Plan]:
     """
     scenario = setup.scenario
     require_segments(scenario.segments, scenario.path.curve)
-    if setup.servo.resolution:
-        yield _on_counts(setup)
+    if setup.servo.resolution:  # strokes end on counts, quasi-statically
+        plan_along(setup, setup.nominal())  # refused where the joint range is too short
+        twists, swings = twist_model(setup, "quasi_static"), setup.equations.swings
+        pose, swing, plans = np.zeros(3), setup.at_rest.swing, list[Plan]()
+        for segment in range(scenario.segments):
+            own = plan_segment(setup, segment, pose, swing).plan
+            pose = compose(pose, segment_ends(setup, own, twists, swing)[-1])
+            changes = [np.multiply(swings[f.field], f.duration) for f in own.flows]
+            swing = tuple(np.sum([np.array(swing), *changes], axis=0).tolist())
+            plans.append(own)
+        yield joined_plans(setup, plans)
     elif scenario.steer == "ideal" and scenario.words == "printed":
         yield plan_along(setup, setup.nominal())
     else:
@@ -98,20 +107,6 @@ def plan_segment(
     twists = twist_model(setup, setup.scenario.steered_on)
     step = steer_towards(setup, twists, segment, target, here, swing)
     return _step_on_counts(setup, step, swing)
-
-
-def _on_counts(setup: Setup) -> Plan:
-    """One plan whose strokes end on counts, by the quasi-static prediction."""
-    plan_along(setup, setup.nominal())  # refused where the joint range is too short
-    twists, swings = twist_model(setup, "quasi_static"), setup.equations.swings
-    pose, swing, plans = np.zeros(3), setup.at_rest.swing, list[Plan]()
-    for segment in range(setup.scenario.segments):
-        own = plan_segment(setup, segment, pose, swing).plan
-        pose = compose(pose, segment_ends(setup, own, twists, swing)[-1])
-        changes = [np.multiply(swings[f.field], f.duration) for f in own.flows]
-        swing = tuple(np.sum([np.array(swing), *changes], axis=0).tolist())
-        plans.append(own)
-    return joined_plans(setup, plans)
 
 
 def segment_target(setup: Setup, segment: int) -> Array:

@@ -35,11 +35,7 @@ SURE = 2.146  # standard deviations of a normal point in the plane that hold 90 
 NOMINAL_POINTS = 400  # of the nominal path as it is drawn
 PICTURED = 1e5  # [m] that a path leads; a picture has no numbers for a robot beyond
 PLACES = ("contact_point", "center_of_mass")  # arrays of points that are not poses
-TRAJECTORY, COMMANDS = "trajectory.npz", "commands.npz"
-NEEDED = {
-    TRAJECTORY: {"qvel", "contact", "slip", "achieved_margin", *PLACES},
-    COMMANDS: {"time", "ctrl"},
-}
+STATES = {"qvel", "contact", "slip", "achieved_margin", *PLACES}  # of any walk
 START = "world_start_pose"  # array with the frame in which poses are given
 
 
@@ -268,8 +264,8 @@ def read_run(folder: Path, *, inspected: bool = False) -> Run:
             card_text=card,
             summary=Summary.read(summary),
             phases=flows.read(read_text(folder / "flows.csv")),
-            arrays=archive(folder, TRAJECTORY, feet, (START,), not inspected),
-            commands=archive(folder, COMMANDS, feet, (), not inspected),
+            arrays=archive(folder, "trajectory.npz", feet, (START,), not inspected),
+            commands=archive(folder, "commands.npz", feet, (), not inspected),
             stops=read_stops(read_text(stops)) if stops.exists() else (),
             inspected=inspected,
         )
@@ -278,9 +274,10 @@ def read_run(folder: Path, *, inspected: bool = False) -> Run:
         _ = run.obstacles  # which say in time what is wrong, as the path does
         if (far := np.abs(run.nominal[:, :2]).max()) > PICTURED:
             raise ValueError(f"its path leads {far:.3g} m away")
-        for file, arrays in (TRAJECTORY, run.arrays), (COMMANDS, run.commands):
-            if lacks := NEEDED[file].difference(arrays):
-                raise KeyError(f"{min(lacks)} in {file}")
+        if lacks := STATES.difference(run.arrays):
+            raise KeyError(f"{min(lacks)} in trajectory.npz")
+        if lacks := {"time", "ctrl"}.difference(run.commands):
+            raise KeyError(f"{min(lacks)} in commands.npz")
         if not inspected:
             about = description.parse_toml(card)
             run.require_sealed(seals(run.folder, run.settings, about, summary))

@@ -99,13 +99,18 @@ def decode(tables: object) -> tuple[Obstacle, ...]:
 
 def _require_few_crossings(obstacles: Sequence[Obstacle]) -> None:
     """Refuse outlines that may cross so often that the floor between has many parts."""
-    given = (dict(o.given).get("points", o.pieces[0].corners) for o in obstacles)
-    lines = [np.array(line, dtype=float) for line in given]
-    sides = [np.stack([line, np.roll(line, -1, axis=0)], axis=1) for line in lines]
+    rings: list[Array] = []
+    for one in obstacles:  # the outline of a polygon, which does not cross itself
+        given = np.array(dict(one.given).get("points", ()), dtype=float)
+        prism = isinstance(one.pieces[0], Prism)
+        rings += [given] if prism else [piece.corners for piece in one.pieces]
+    sides = [np.stack([ring, np.roll(ring, -1, axis=0)], axis=1) for ring in rings]
     edges, pairs = shapely.linestrings(np.concatenate(sides)), 0
+    owner = np.repeat(np.arange(len(rings)), [len(ring) for ring in rings])
     tree = shapely.STRtree(edges)
-    for edge in edges:
-        pairs += len(tree.query(edge))  # itself, and those whose bounds meet its own
+    for start in range(0, len(edges), 200):  # more take much memory at once
+        at, near = tree.query(edges[start : start + 200])  # whose bounds meet
+        pairs += int((owner[start + at] != owner[near]).sum())
         if pairs > MOST_PAIRS:
             raise UsageError.of("crossings", "obstacles")
 

@@ -1,6 +1,6 @@
 """A scenario: which robot walks which nominal path, with which settings."""
 
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from math import pi, radians
 from typing import TYPE_CHECKING, Any, Self
@@ -107,7 +107,7 @@ class Scenario(Settings):
         """What is declared about every setting, by its name."""
         return SETTINGS
 
-    def key(self, *effects: Effect) -> tuple[tuple[str, str], ...]:
+    def key(self, *effects: Effect) -> Hashable:
         """All in it that has some effects, such as `world`, to compare scenarios by."""
         every = ((item.name, item.metadata["affects"]) for item in fields(self))
         own = (name for name, affects in every if affects & {*effects})

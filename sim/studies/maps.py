@@ -48,7 +48,6 @@ UNITS = {
 SHEET_HEIGHT = 3.2  # [in]
 LONGEST_LABEL = 60  # letters
 MOST_LABELS = 200  # at an axis
-MOST_READ = 40  # of those, beside one another
 MOST_SQUARES = 256  # with a number in each; more would neither be read nor drawn soon
 EXTREMES = 5  # points among the best, and among the worst
 
@@ -224,7 +223,7 @@ def _place(axes: "Axes", results: Results, key: str, way: str) -> list[float]:
         if len(labels) > MOST_LABELS:
             facts = {"count": len(labels), "key": key, "most": MOST_LABELS}
             raise UsageError.of("labels", "the table", **facts)
-        every = len(labels) // MOST_READ + 1
+        every = len(labels) // 40 + 1  # which are read beside one another
         ticks = range(0, len(labels), every)
         getattr(axes, f"set_{way}ticks")(ticks, labels[::every])
         getattr(axes, f"set_{way}lim")(-0.5, len(labels) - 0.5)

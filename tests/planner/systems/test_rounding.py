@@ -72,14 +72,10 @@ def test_noise_of_differences_is_rounding_and_brackets_are_not():
 
 
 @pytest.mark.parametrize(("size", "value"), [(0.9e-7, 0.0), (1.1e-7, 1.1e-7)])
-def test_functions_are_judged_by_the_terms_that_they_add_up_there_and_mostly(
-    size, value
-):
-    """That a function is huge at one place says nothing of its values at others."""
+def test_functions_are_judged_by_the_largest_terms_that_they_add_up(size, value):
     field = NumericField(lambda x: [3.0, size], terms=lambda x: 100 * x[0])
-    points = np.array([[1.0, 0.0], [0.01, 0.0], [1.0, 0.0], [10.0, 0.0]])
-    values = WeighedValues(STATE, points)(field).tolist()
-    assert values == [[3.0, value]] * 3 + [[3.0, 0.0]]
+    points = np.array([[1.0, 0.0], [0.01, 0.0]])
+    assert WeighedValues(STATE, points)(field).tolist() == [[3.0, value]] * 2
 
 
 def test_fields_that_are_tiny_or_start_far_away_do_not_vanish():

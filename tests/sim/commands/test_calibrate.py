@@ -44,7 +44,7 @@ def test_a_sketch_of_other_frames_is_not_counted_by(answered, tmp_path):
     card = tmp_path / "quadruped.toml"
     before = card.read_text()
     card.write_text(before + MG90)
-    assert "write 'const float RATE = 59.838388;' in it, or remove" in answered(*out)
+    assert "write 'RATE = 59.838388;' in it, or remove" in answered(*out)
     sketch = tmp_path / "jog.ino"
     own = re.sub("RATE = [0-9.]+", "RATE = 59.838388", sketch.read_text())
     sketch.write_text(own)

@@ -5,6 +5,7 @@ import json
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 from contextlib import ExitStack
@@ -14,6 +15,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from models.description import FOLDER
 from sim.cli import main
 from sim.commands.drive import Link, Poses, _opened
 
@@ -142,6 +144,16 @@ def test_an_interrupted_drive_says_what_was_sent_and_gives_a_command_that_works(
     said = capsys.readouterr().err.splitlines()[-1]
     assert "holds" not in said
     assert said.endswith(f"--commands {os.devnull}")
+
+
+def test_the_card_of_another_robot_is_not_driven_by_without_a_word(
+    tmp_path, monkeypatch, capsys
+):
+    for name, file in (("hexapod.xml", "mine.xml"), ("scene.xml", "scene.xml")):
+        shutil.copy(FOLDER / name, tmp_path / file)
+    monkeypatch.setattr("sys.stdin", io.StringIO())
+    assert main([*way(), "--robot", str(tmp_path / "mine.xml")]) == 0
+    assert "mine.xml has no card; that of the shipped robot" in capsys.readouterr().err
 
 
 def test_a_file_of_poses_that_is_not_there_is_refused(capsys):

@@ -13,6 +13,7 @@ from sim.commands.fit import fit
 from sim.errors import UsageError
 from sim.fitting.estimate import Estimates, Parameter
 from sim.logs.log import Log
+from sim.scenarios.file import load_scenario
 from sim.templates import render
 
 
@@ -22,11 +23,6 @@ class Course:
 
     times: np.ndarray
     in_force: bool = False
-
-
-def of_robot(name, **world):
-    """A scenario that names a robot and settings of its world."""
-    return SimpleNamespace(robot=name, key=lambda _: tuple(world.items()))
 
 
 SETUP = SimpleNamespace(limits=SimpleNamespace(timestep=0.001))
@@ -103,51 +99,59 @@ def refused(*given, **changes):
     return caught.value.what, caught.value.where
 
 
+def run_of(name, **settings):
+    """A finished run of a robot, whose scenario has settings that are not as usual."""
+    scenario = replace(load_scenario("line"), robot=name, **settings)
+    return SimpleNamespace(scenario=scenario)
+
+
 def test_a_run_is_of_its_own_robot_and_fits_no_other(monkeypatch, tmp_path):
-    monkeypatch.setattr(
-        command,
-        "read_run",
-        lambda _: SimpleNamespace(scenario=of_robot("quadruped"), card=1),
-    )
-    loaded = []
-
-    def robot_of(_, name):
-        loaded.append(name)
-        return SimpleNamespace(card={"quadruped": 1, "hexapod": 2}[name])
-
-    monkeypatch.setattr(command.cli, "robot_of", robot_of)
+    monkeypatch.setattr(command, "read_run", lambda _: run_of("quadruped"))
     again = "a run knows its settings", str(tmp_path)
     slow = {"set": ["swing_speed=0.1"]}
     assert refused(str(tmp_path), **slow) == again
     assert refused("quadruped", str(tmp_path), **slow) == again
-    other = "it was walked by another robot than hexapod", str(tmp_path)
-    assert refused("hexapod", str(tmp_path)) == other
-    assert loaded == ["quadruped", "quadruped", "hexapod"]
+    for other in "hexapod", "hexapod-radial":
+        said = f"it was walked by another robot than {other}", str(tmp_path)
+        assert refused(other, str(tmp_path)) == said
 
 
-def test_runs_that_are_fitted_together_were_walked_in_one_world(monkeypatch, tmp_path):
-    """In other places, and with other motions, but on the same servos."""
-    first, second = {"motion": "a", "payload": "0"}, {"motion": "b", "payload": "1"}
-    runs = {}
-    for name, world in (("first", first), ("second", second)):
-        (tmp_path / name).mkdir()
-        runs[tmp_path / name] = SimpleNamespace(
-            scenario=of_robot("hexapod", **world), card=1
-        )
+@pytest.mark.parametrize(
+    ("other", "said"),
+    [
+        ({"payload": (0.1, 0, 0, 0)}, "walked with another payload than "),
+        ({"servo": "mg90"}, "walked with another servo than "),
+        ({"geometry": {"kappa": 0.5}}, "it was walked by another robot than "),
+        ({"imperfect": "hobby", "draw": 3}, "walked with another draw than "),
+        ({"draw": 3, "timestep": 0.0005, "swing_speed": 0.1}, "a run knows its settin"),
+    ],
+    ids=str,
+)
+def test_runs_that_are_fitted_together_are_of_one_robot_and_its_servos(
+    monkeypatch, tmp_path, other, said
+):
+    """In other places and with other motions, which tell more than one alone."""
+    first = {"imperfect": "hobby"} if "imperfect" in other else {}
+    runs = {tmp_path / "1": run_of("hexapod", **first)}
+    runs[tmp_path / "2"] = run_of("hexapod", **other)
+    for folder in runs:
+        folder.mkdir()
     monkeypatch.setattr(command, "read_run", runs.__getitem__)
-    monkeypatch.setattr(command.cli, "robot_of", lambda *_: SimpleNamespace(card=1))
-    what, where = refused(*map(str, runs))
-    assert what == f"walked with another payload than {tmp_path / 'first'}"
-    assert where == str(tmp_path / "second")
+    what, where = refused(*map(str, runs), set=["swing_speed=0.1"])
+    assert what.startswith(said)
+    assert where == str(tmp_path / ("1" if "settin" in said else "2"))
+
+
+def test_a_card_that_was_changed_since_is_of_the_same_robot(monkeypatch, hexapod):
+    card = replace(hexapod.card, fitted={"friction": 0.3}, description="mine")
+    assert command._made(replace(hexapod, card=card)) == command._made(hexapod)
 
 
 @pytest.mark.parametrize("walking", [None, True, False])
 def test_poses_of_a_run_on_a_stand_are_not_fitted(monkeypatch, tmp_path, walking):
-    run = SimpleNamespace(scenario=of_robot("hexapod"), card=1)
-    monkeypatch.setattr(command, "read_run", lambda _: run)
+    monkeypatch.setattr(command, "read_run", lambda _: run_of("hexapod"))
     log = logged(pose=np.zeros((2, 3)), measured=np.ones((2, 2)))
     monkeypatch.setattr(command, "log_of", lambda _: log)
-    monkeypatch.setattr(command.cli, "robot_of", lambda *_: None)
     monkeypatch.setattr(command.cli, "reader_of", lambda *_: None)
     monkeypatch.setattr(command.fitting, "check_measured", lambda *_: None)
     monkeypatch.setattr(command.fitting, "check_told", lambda *_: None)

@@ -58,7 +58,7 @@ def test_backlash_of_less_than_two_standard_errors_is_none(value, none, low):
     one = Parameter(name="a", unit="", spread=1e6, step=1.0, low=low, setting="slack")
     make, own = estimates([one], [value], [1.0]), estimates([one], [0.0], [1e9])
     fit = JointFit(("hip",), make, make, own, np.zeros(1), np.zeros(1))
-    found, error = fit.settings(["hip"])["slack"]
+    found, error = fit.settings(["hip"], {})["slack"]
     assert error == pytest.approx(1.0)
     assert found == pytest.approx(0.0 if none and low == 0 else value)
 
@@ -82,7 +82,7 @@ def test_slack_that_no_scenario_takes_is_none():
     other = replace(one, setting="bands")
     make, own = (estimates([p], [4e-12], [1e-13]) for p in (one, other))
     fit = JointFit(("hip",), make, make, own, np.zeros(1), np.zeros(1))
-    found = fit.settings(["hip"])
+    found = fit.settings(["hip"], {})
     assert (found["slack"][0], found["bands"][0]) == (0.0, [0.0])
 
 

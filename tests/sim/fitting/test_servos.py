@@ -110,8 +110,8 @@ def test_backlash_within_two_standard_errors_of_none_is_written_as_none(fitted):
         JointFit(NAMES, make, replace(make, value=value), own, ONES, ONES)
         for value in (make.value, make.value * [1, 1, 0, 1] + make.error)
     ]
-    assert told[0].settings(NAMES)["backlash"][0] == make.value[0, 2] > 0
-    assert told[1].settings(NAMES)["backlash"] == (0.0, make.error[0, 2])
+    assert told[0].settings(NAMES, {})["backlash"][0] == make.value[0, 2] > 0
+    assert told[1].settings(NAMES, {})["backlash"] == (0.0, make.error[0, 2])
 
 
 def test_a_slow_log_without_loads_tells_damping_over_stiffness_alone():
@@ -152,7 +152,7 @@ def test_joints_that_never_move_tell_no_stiffness_no_damping_and_no_delay():
     found = fit_joints(setup, [log], walking=False)
     assert not found.make.seen[0, [0, 1, 3]].any()
     unseen = {"servo_stiffness", "servo_damping", "command_delay"}
-    assert unseen.isdisjoint(found.settings(joints))
+    assert unseen.isdisjoint(found.settings(joints, {}))
 
 
 @pytest.mark.filterwarnings("ignore:Mean of empty slice")

@@ -124,6 +124,11 @@ def test_what_was_measured_of_nothing_is_left_out_with_a_word(read, column, lack
     assert [*read(f"time,hip_1,{column}\n0,0,0\n1,0,0\n").done] == said
 
 
+def test_joints_may_be_called_as_errors_are(tmp_path):
+    (tmp_path / "log.csv").write_text("time,a.error,measured.a.error\n0,0,0\n1,0,0\n")
+    assert read_log(tmp_path / "log.csv", ("a.error",), ()).done == ()
+
+
 def test_empty_cells_are_bridged_evenly_and_held_beyond_the_ends(read):
     said = "hip_1: empty cells bridged, or held at an end, {}; {} s at most"
     cells = ["", "1", "", "", "2", "3", ""]
