@@ -23,8 +23,7 @@ from planner.support import require_known
 LIFT_TIME = 0.3
 QUICKEST_LIFT = 0.001  # [s]
 MOST_LEGS, MOST_OTHERS = 40, 1000  # the latter of patterns, and of a gait's strata
-MOST_STRATA = 32  # of groups; three are compared with one another
-MOST_GROUPS, MOST_ROWING = 10, 8  # three postures each are combined; five in rowing
+MOST_GROUPS, MOST_ROWING, MOST_STRATA = 10, 8, 32  # all combinations are looked at
 OF_LOGS = ("measured.", "body.", "contact.")  # begin columns of logs
 CLOCKS = (20e6, 30e6)  # [Hz]; its data sheet's by a fifth more or less
 

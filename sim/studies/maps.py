@@ -48,7 +48,7 @@ UNITS = {
 SHEET_HEIGHT = 3.2  # [in]
 LONGEST_LABEL = 60  # letters
 MOST_LABELS = 200  # at an axis
-MOST_SQUARES = 256  # with a number in each; more would neither be read nor drawn soon
+MOST_SQUARES = 16  # beside one another, with a number in each that can be read
 EXTREMES = 5  # points among the best, and among the worst
 
 
@@ -167,7 +167,7 @@ def _draw_map(axes: "Axes", results: Results, across: str, up: str) -> None:
     shades = _shades(results)
     colours = {place: shades[results.classes[i]] for place, i in worst.items()}
     named = all(_is_table(results.columns[key]) for key in (across, up))
-    if not named or len(worst) > MOST_SQUARES:
+    if not named or max(len({*columns}), len({*rows})) > MOST_SQUARES:
         size = float(np.clip(9000 / len(worst), 9, 260))
         fills = [colour.hex for colour in colours.values()]
         at, high = zip(*worst, strict=True)

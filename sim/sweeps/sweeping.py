@@ -236,7 +236,7 @@ def merge(sources: Sequence[Path], out: Path) -> tuple[Result, Path]:
     missing = [point for point, code in points.digests.items() if code not in known]
     if missing:
         few = ", ".join(map(str, missing[:5])) + ", ..." * (len(missing) > 5)
-        shards = [f"{missing[0] % n + 1}/{n}" for n in shards_in(sources)]
+        shards = [f"{missing[0] % n + 1}/{n}" for n in sorted(shards_in(sources))]
         part = ["--shard", shards[0]] if shards else []
         on = command("sweep", "FILE.toml", "--out", sources[0], *part, "--resume")
         facts = {"count": len(missing), "all": len(points.digests), "few": few}

@@ -8,6 +8,7 @@ import pytest
 from models.description.robot import FOLDER
 from sim.cli import main
 from sim.endings import again, begin, command
+from sim.scenarios.file import dumps, load_scenario
 
 EVIL = "a b$(touch PWNED);'c"
 
@@ -125,3 +126,17 @@ def test_advice_changes_one_word_and_quotes_what_was_given(
     begin(words)
     assert main(words) == 2
     assert advice in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("run", [True, False])
+def test_what_a_run_s_robot_gave_is_not_handed_to_another_without_a_word(
+    run, tmp_path, capsys
+):
+    """The scenario of a run has the servos of its robot, and what was fitted to it."""
+    file = tmp_path / "scenario.toml"
+    file.write_text(dumps(load_scenario("line", {"path.goal": [0.004, 0, 0]})))
+    if run:
+        (tmp_path / "summary.json").touch()
+    assert main(["plan", str(file), "--robot", "octopod", "--segments", "1"]) == 0
+    said = f"{file} has all settings of a run, those that its robot gave as well"
+    assert (said in capsys.readouterr().err) == run
