@@ -36,10 +36,10 @@ def calibrate(options: argparse.Namespace) -> None:
     """Ask for what is not known yet, and write the card; or write strokes to check."""
     robot = cli.robot_of(options, options.robot)
     folder = RunFolder(ensure_folder(out := Path(options.out)))
-    begun = [{SKETCH}, {SCRIPT}, {PAGE, SHEET}] * (not options.check)
-    if begun and not any(all((out / n).exists() for n in names) for names in begun):
-        for name in PAGE, SHEET:
-            require_free(out / name, "--out")
+    there = {path.name for path in out.iterdir()}
+    ours = any(names <= there for names in ({SKETCH}, {SCRIPT}, {PAGE, SHEET}))
+    for name in [PAGE, SHEET] * (not ours and not options.check):
+        require_free(out / name, "--out")
     robot = _owned(robot, folder, options)
     kind = _kind(robot)
     if options.check:

@@ -126,7 +126,7 @@ def _require_alike(
             raise UsageError.of("other_robot", path, first=first)
         for name in (*FITTED, "servo", "servo_data", *["draw"] * own.is_imperfect):
             if getattr(own, name) != getattr(scenarios[0], name):
-                raise UsageError.of("other_world", path, name=name, first=first)
+                raise UsageError.of("other_world", path, name=name, first=[*runs][0])
 
 
 def _made(robot: Robot) -> tuple[object, ...]:

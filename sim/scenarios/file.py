@@ -120,12 +120,10 @@ def scenario_from(
 def _learnt(path: Path, values: Table) -> object:
     """The numbers in a learnt.toml, or in that of a run of a robot of the same name."""
     file = (path if path.is_dir() else path.parent) / "scenario.toml"
-    tables = read_toml(file) if file.is_file() else values, values
-    (own, shape), (asked, wanted) = (
-        (str(table.get("robot", Scenario.robot)), table.get("geometry"))
-        for table in tables
-    )
-    if (Path(own).stem, shape) != (Path(asked).stem, wanted):
+    walked = read_toml(file) if file.is_file() else values
+    own, asked = (str(t.get("robot", Scenario.robot)) for t in (walked, values))
+    reshaped = walked.get("geometry") != values.get("geometry")
+    if reshaped or Path(own).stem != Path(asked).stem:
         raise UsageError.of("learnt_of", path, own=own)
     path = path / "learnt.toml" if path.is_dir() else path
     table = read_toml(path).get("learnt")
