@@ -113,7 +113,7 @@ def _owned(robot: Robot, folder: RunFolder, options: argparse.Namespace) -> Robo
     if robot.has_card_inside and not options.check:
         remedy = f"move it to {source.with_suffix('.toml')}; then go on: {again()}"
         raise UsageError("the card is inside the robot's file", str(source), remedy)
-    if (source.parents[1] / "summary.json").exists() and not options.check:
+    if (source.absolute().parents[1] / "summary.json").exists() and not options.check:
         raise UsageError.of("of_a_run", source, name=source.name)
     if source.parent != description.FOLDER:
         return robot

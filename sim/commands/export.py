@@ -135,7 +135,7 @@ def _written(
     from sim.export.source import read, servos, write
 
     given = read_ros_table(Path(options.servo_table)) if options.servo_table else None
-    if others := ", ".join(sorted((given or {}).keys() - {*source.joints})):
+    if given and (others := ", ".join(sorted(given.keys() - {*source.joints}))):
         cli.notice(f"left out of the servo table, as no joint moves so: {others}")
     rate = options.rate or RATE
     kind, pulses = options.format, options.microseconds

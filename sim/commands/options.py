@@ -42,7 +42,8 @@ def scenario_of(options: argparse.Namespace) -> "Scenario":
         if key in overrides:
             raise UsageError(f"{key} is given twice", option, "keep one")
         overrides[key] = getattr(options, key)
-    if "robot" in overrides and (Path(source).parent / "summary.json").exists():
+    of_run = Path(source).is_file() and Path(source).with_name("summary.json").exists()
+    if "robot" in overrides and of_run:
         notice(f"{source} has all settings of a run, those that its robot gave as well")
     scenario = load_scenario(source, overrides)
     *place, yaw = scenario.path.goal

@@ -54,6 +54,14 @@ def test_a_sketch_of_other_frames_is_not_counted_by(answered, tmp_path):
     assert "RATE = 59.838388;" in sketch.read_text()
 
 
+def test_a_robot_beside_nothing_is_calibrated(answered, tmp_path, monkeypatch):
+    """Named as an owner does who stands in its folder."""
+    for name in ("quadruped.xml", "quadruped.toml", "scene.xml"):
+        shutil.copy(FOLDER / name, tmp_path)
+    monkeypatch.chdir(tmp_path)
+    assert "answers end" in answered("quadruped.xml", "--out", "c")
+
+
 def test_the_copy_of_a_robot_in_a_run_is_left_as_it_was_sealed(answered, tmp_path):
     copies = tmp_path / "run" / "robot"
     copies.mkdir(parents=True)

@@ -157,11 +157,9 @@ def test_a_walk_and_its_log_show_the_same_moments(walked):
     assert known.pose == pytest.approx(log.pose)
 
 
-def test_runs_of_two_robots_are_not_fitted_as_one(walked, folder, capsys):
-    card = folder / "model.toml"
-    card.write_text(card.read_text().replace("Two tripods", "Two other tripods"))
-    assert main(["fit", str(walked), str(folder)]) == 2
-    assert "another robot than" in capsys.readouterr().err
+def test_a_run_of_another_robot_is_not_fitted(walked, capsys):
+    assert main(["fit", "quadruped", str(walked)]) == 2
+    assert f"by another robot than quadruped: {walked}" in capsys.readouterr().err
 
 
 @pytest.mark.physics
