@@ -65,13 +65,12 @@ def _prepare(
 ) -> None:
     """Write what jogs the servos, and the page with the pictures of the joints."""
     tool = SKETCH if kind.signal == "pulse" else SCRIPT
-    divider = description.board_divider(kind.command_rate)
     rate = description.board_rate(kind.command_rate)
     text = render(
         tool.replace(".py", ".txt"),
         CLOCK=f"{description.BOARD_CLOCK:.0f}",
         RATE=f"{rate:.6f}",
-        DIVIDER=divider,
+        DIVIDER=description.board_divider(kind.command_rate),
         MIDDLE=kind.at_rate(rate).center,
         JOG=JOG,
     )
