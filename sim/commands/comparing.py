@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from models import Robot
 from sim import palette
 from sim.commands import options as cli
 from sim.endings import command, keeping
@@ -78,17 +79,18 @@ def sensitivities(options: argparse.Namespace) -> None:
     path = None if out is None else new_file(Path(out), "picture", *PICTURES)
     with blamed_on(folder), cli.working(options, "predicting changed robots"):
         run = read_run(folder)
-        found = rows(run)
+        robot = cli.robot_of(options, run.scenario.robot, run.scenario.geometry)
+        found = rows(run, robot)
     if path is not None:
         draw(run, found, path)
     cli.report(options, found, render("sensitivities.txt", rows=found))
 
 
-def rows(run: Run) -> list[dict[str, Any]]:
+def rows(run: Run, robot: Robot) -> list[dict[str, Any]]:
     """Changes with their units and what one of them does, `x`, `y` [m], `yaw` [rad]."""
     from sim.studies.sensitivities import sensitivities_of
 
-    found = sensitivities_of(run)
+    found = sensitivities_of(run, robot)
     return [
         {"what": each.what, "unit": each.unit} | dict(zip(POSE, moved, strict=True))
         for each, moved in zip(found.changes, found.pose[:, 0].tolist(), strict=True)

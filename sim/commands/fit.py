@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from models import Robot, load, shipped_robots
+from models import Robot, shipped_robots
 from sim.commands import options as cli
 from sim.endings import command
 from sim.errors import UsageError
@@ -28,6 +28,9 @@ from sim.scenarios.settings import SETTINGS
 from sim.templates import render
 
 BUILT = ("body_mass", "body_inertia", "body_pos", "body_quat", "jnt_axis")
+OTHERS = ("servo", "servo_data", "command_rate", "resolution", "dead_band_law",
+          "dead_band_spread", "floor_stiffness", "foot_friction", "bumps")  # fmt: skip
+"""Settings of servos and the floor that are the same in runs fitted together."""
 MILLI, MILLI_UNITS = 1e3, {"rad": "mrad", "s": "ms"}  # in tables
 
 
@@ -66,7 +69,12 @@ def fit(options: argparse.Namespace) -> None:
             rows = [(p.name, c, MILLI_UNITS.get(p.unit, p.unit)) for p, c in cells]
             facts["body"], parts["body"] = found, found | {"rows": rows}
     if options.out is not None:
-        text = fitting.card_text(setup.robot, fitted, options.sources)
+        servo, own = setup.servo.name, setup.robot.card.servo
+        if servo != (own.made if own and own.made else "ideal"):
+            cli.notice(
+                f"what was fitted of servos is of {servo}, and of others no more"
+            )
+        text = fitting.card_text(setup.robot, fitted, options.sources, servo)
         parts["written"] = fitting.write_card(setup.robot, Path(options.out), text)
         earlier = (setup.robot.card.fitted.keys() - fitted.keys()) & SETTINGS.keys()
         if lost := ", ".join(sorted(earlier)):
@@ -88,8 +96,12 @@ def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | No
         what = f"{first!r} is neither a robot nor a run, and a log names no robot"
         raise UsageError(what, "fit", f"name it: {command('fit', 'hexapod', first)}")
     run = runs.get(paths[0])
-    robot = cli.robot_of(options, run.scenario.robot if run and not named else first)
-    _require_alike(runs, robot if named else None, options)
+    robots = {
+        path: cli.robot_of(options, one.scenario.robot, one.scenario.geometry)
+        for path, one in runs.items()
+    }
+    robot = cli.robot_of(options, first) if named else robots[paths[0]]
+    _require_alike(runs, robots, robot, first)
     settings = cli.settings_of(options)
     if run and settings:
         raise UsageError.of("knows_settings", paths[0])
@@ -105,7 +117,7 @@ def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | No
     if posed or options.walking:
         fitting.check_steps(paths[0], logs, setup.limits.timestep)
     if run is not None:
-        return setup, logs, walked_of_run(run) if posed else None
+        return setup, logs, walked_of_run(run, robots[paths[0]]) if posed else None
     try:
         walked = walked_of_log(setup, logs[0]) if posed else None
     except ValueError as error:
@@ -114,17 +126,14 @@ def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | No
 
 
 def _require_alike(
-    runs: Mapping[Path, Run], named: Robot | None, options: argparse.Namespace
+    runs: Mapping[Path, Run], robots: Mapping[Path, Robot], robot: Robot, first: str
 ) -> None:
-    """Refuse runs of other robots than the named one, or than the first run's."""
-    first, known = options.sources[0], _made(named) if named else ()
-    scenarios = [run.scenario for run in runs.values()]
+    """Refuse runs of other robots than the one that is fitted, or of other worlds."""
+    known, scenarios = _made(robot), [run.scenario for run in runs.values()]
     for path, own in zip(runs, scenarios, strict=True):
-        external = {"allow_external": options.allow_external}
-        made = _made(load(own.robot, geometry=own.geometry, **external))
-        if made != (known := known or made):
+        if _made(robots[path]) != known:
             raise UsageError.of("other_robot", path, first=first)
-        for name in (*FITTED, "servo", "servo_data", *["draw"] * own.is_imperfect):
+        for name in (*FITTED, *OTHERS, *["draw"] * own.is_imperfect):
             if getattr(own, name) != getattr(scenarios[0], name):
                 raise UsageError.of("other_world", path, name=name, first=[*runs][0])
 

@@ -4,7 +4,7 @@ import argparse
 import json
 import os
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from functools import partial
 from itertools import count
@@ -174,12 +174,14 @@ def require_robot(name: str) -> None:
         raise UsageError(f"{name!r} is a scenario", "ROBOT", f"try {meant}")
 
 
-def robot_of(options: argparse.Namespace, name: str) -> "Robot":
+def robot_of(
+    options: argparse.Namespace, name: str, geometry: Mapping[str, float] | None = None
+) -> "Robot":
     """Load a robot, and say what it took from elsewhere."""
     from models import load
 
     require_robot(name)
-    robot = load(name, allow_external=options.allow_external)
+    robot = load(name, allow_external=options.allow_external, geometry=geometry)
     if robot.borrowed:
         notice(
             f"{robot.path} has no card; that of the shipped robot {robot.borrowed!r}, "

@@ -9,6 +9,7 @@ from math import atan2, hypot
 
 import numpy as np
 
+from models import Robot
 from models.description import actuators_driving
 from planner import Array
 from sim.compliant.anatomy import Robots
@@ -109,10 +110,10 @@ def log_of(run: Run) -> Log:
     return Log(time, joints, commanded, measured, pose=run.achieved[rows])
 
 
-def walked_of_run(run: Run) -> Walked:
+def walked_of_run(run: Run, robot: Robot | None = None) -> Walked:
     """A finished run; the prediction knows none of its imperfections."""
     untold = replace(run, settings={**run.settings, "known": "none"})
-    phases, course = course_of_run(untold)
+    phases, course = course_of_run(untold, robot)
     rows = run.walking
     return Walked(phases, course, run.time[rows], run.achieved[rows], run.reach, True)
 

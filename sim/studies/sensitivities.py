@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from models import Robot
 from planner import Array
 from sim.compliant.anatomy import Robots
 from sim.compliant.phases import Course, Motion, Phases
@@ -42,9 +43,9 @@ class Sensitivities(NamedTuple):
     lean: Array  # on the height of the root [m], roll and pitch [rad], (V, T, 3)
 
 
-def sensitivities_of(run: Run) -> Sensitivities:
+def sensitivities_of(run: Run, robot: Robot | None = None) -> Sensitivities:
     """Of a finished run at its end; MeasurementError where a robot tips over."""
-    phases, course = course_of_run(run)
+    phases, course = course_of_run(run, robot)
     changes = list(changes_of(phases, run.legs))
     return sensitivities(phases, course, changes, run.time[-1:])
 
@@ -75,9 +76,9 @@ def sensitivities(
     return Sensitivities(tuple(changes), unchanged, pose, lean)
 
 
-def course_of_run(run: Run) -> tuple[Phases, Course]:
+def course_of_run(run: Run, robot: Robot | None = None) -> tuple[Phases, Course]:
     """The run's robot as the compliant prediction knows it, and its commands."""
-    setup = prepare(run.scenario)
+    setup = prepare(run.scenario, robot)
     phases = phases_of(setup.as_known)
     spans = np.array([(phase.start, phase.end) for phase in run.phases])
     heading = np.interp(spans[:, 0], run.time, np.unwrap(run.achieved[:, 2]))

@@ -14,6 +14,7 @@ import pytest
 from models.description.robot import FOLDER
 from models.library import load
 from sim import simulation
+from sim.cli import main
 from sim.errors import SimulationError
 from sim.folder import RunFolder
 from sim.motion.poses import rotate
@@ -244,6 +245,17 @@ def test_a_run_goes_again_after_it_was_moved_and_its_robot_is_gone(
     for name in ("commands.npz", "trajectory.npz", "flows.csv", "model.xml"):
         assert (folder / name).read_bytes() == (tmp_path / name).read_bytes()
     assert replace(again, timing=summary.timing) == summary
+
+
+def test_a_run_of_a_robot_with_files_elsewhere_is_read_on_where_that_is_allowed(
+    moved, capsys
+):
+    folder, allowed = str(moved[1]), "--allow-external"
+    for words in (("fit", folder, "--no-walking"), ("sensitivities", folder)):
+        assert main([*words]) == 3
+        assert "give --allow-external if you trust it" in capsys.readouterr().err
+        assert main([*words, allowed, "--json"]) == 0
+        assert "taken from outside the folder" in capsys.readouterr().err
 
 
 def test_the_model_of_a_run_is_a_robot_itself(moved, tmp_path):

@@ -57,7 +57,8 @@ def test_the_body_is_fitted_to_a_walk_whose_commands_came_late(
     late, in_force, monkeypatch, capsys, hexapod
 ):
     """By the delay of the servos, where one was found; those of a run are in force."""
-    setup, asked = SimpleNamespace(robot=hexapod), []
+    made = SimpleNamespace(name="ideal")
+    setup, asked = SimpleNamespace(robot=hexapod, servo=made), []
     angles = np.zeros((9, 1)) if late else None
     log = SimpleNamespace(measured=angles, done=())
     sources = setup, [log], Course(np.array([1.0, 2.0]), in_force)
@@ -121,6 +122,8 @@ def test_a_run_is_of_its_own_robot_and_fits_no_other(monkeypatch, tmp_path):
     [
         ({"payload": (0.1, 0, 0, 0)}, "walked with another payload than "),
         ({"servo": "mg90"}, "walked with another servo than "),
+        ({"dead_band_law": "step"}, "walked with another dead_band_law than "),
+        ({"command_rate": 50.0}, "walked with another command_rate than "),
         ({"geometry": {"kappa": 0.5}}, "it was walked by another robot than "),
         ({"imperfect": "hobby", "draw": 3}, "walked with another draw than "),
         ({"draw": 3, "timestep": 0.0005, "swing_speed": 0.1}, "a run knows its settin"),
@@ -156,7 +159,7 @@ def test_poses_of_a_run_on_a_stand_are_not_fitted(monkeypatch, tmp_path, walking
     monkeypatch.setattr(command.fitting, "check_measured", lambda *_: None)
     monkeypatch.setattr(command.fitting, "check_told", lambda *_: None)
     monkeypatch.setattr(command, "prepare", lambda *_, **__: SETUP)
-    monkeypatch.setattr(command, "walked_of_run", lambda _: "walked")
+    monkeypatch.setattr(command, "walked_of_run", lambda *_: "walked")
     _, _, walked = command._sources(options(str(tmp_path), walking=walking))
     assert walked == (None if walking is False else "walked")
 

@@ -14,8 +14,8 @@ def test_every_change_has_the_row_of_its_own_effect_at_the_end(monkeypatch):
     changes = [SimpleNamespace(what=name, unit="1 mm") for name in ("one", "other")]
     pose = np.array([[[1.0, 2.0, 3.0]], [[4.0, 5.0, 6.0]]])  # at a single moment
     found = SimpleNamespace(changes=changes, pose=pose)
-    monkeypatch.setattr(sensitivities, "sensitivities_of", lambda run: found)
-    assert comparing.rows(None) == [
+    monkeypatch.setattr(sensitivities, "sensitivities_of", lambda run, robot: found)
+    assert comparing.rows(None, None) == [
         {"what": "one", "unit": "1 mm", "x": 1.0, "y": 2.0, "yaw": 3.0},
         {"what": "other", "unit": "1 mm", "x": 4.0, "y": 5.0, "yaw": 6.0},
     ]

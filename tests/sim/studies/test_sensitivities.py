@@ -94,9 +94,10 @@ def test_a_finished_run_is_asked_for_some_changes_at_some_times(walked):
 def test_the_command_gives_a_row_for_each(walked, tmp_path, monkeypatch, capsys):
     some = [{"what": f"length of leg {n}", "unit": "1 mm"} for n in LEGS]
     found = [row | {"x": 1e-3, "y": -1e-3, "yaw": 0.01} for row in some]
-    monkeypatch.setattr(comparing, "rows", lambda _: found)
+    monkeypatch.setattr(comparing, "rows", lambda *_: found)
     drawn = tmp_path / "above.png"
-    options = type("O", (), {"run": walked, "out": str(drawn), "json": True})
+    given = {"run": walked, "out": str(drawn), "json": True, "allow_external": False}
+    options = type("O", (), given)
     comparing.sensitivities(options)
     assert json.loads(capsys.readouterr().out) == found
     assert drawn.stat().st_size > 1000
@@ -113,7 +114,7 @@ def test_a_picture_that_cannot_be_made_is_refused_before_the_work(
     """Neither another name is written nor what a dangling link leads to."""
     monkeypatch.chdir(tmp_path)
     Path("taken.png").symlink_to("elsewhere.png")
-    monkeypatch.setattr(comparing, "rows", lambda _: pytest.fail("it works"))
+    monkeypatch.setattr(comparing, "rows", lambda *_: pytest.fail("it works"))
     options = type("O", (), {"run": walked, "out": name, "json": True})
     said = "already exists" if name == "taken.png" else "not a picture's name: .*; give"
     with pytest.raises(UsageError, match=said):
