@@ -29,7 +29,7 @@ RATE = 50.0  # commands a second of a walk without a rate, as most hobby servos 
 IN_COMMANDS = "zero_offset", "command_delay"  # imperfections of servos that are
 ASSUMED = "mounting assumed: channels in the order of joints, senses +, centres alike"
 
-ON_PULSES = "its servos take pulses; ticks are 4096 a turn without counts of the card"
+ON_PULSES = "its servos take pulses; ticks are 4096 a turn, whatever their pulses"
 
 
 def export(options: argparse.Namespace) -> ExitCode:
@@ -140,9 +140,12 @@ def _written(
     rate = options.rate or RATE
     kind, pulses = options.format, options.microseconds
     table = servos(source, kind, given, microseconds=pulses, rate=rate)
+    if given and kind == "header":
+        frames = f"{table.frame_rate:.4g} frames a second"
+        cli.notice(f"counts of {options.servo_table} are taken as of {frames}")
     commands = source.commands(rate)
     write(out, kind, source, commands, table)
-    if kind == "header" and table.assumed:
+    if kind in ("header", "dynamixel") and table.assumed:
         named = source.run.scenario.robot
         own = Path(named).name if Path(options.scenario).is_dir() else named  # no copy
         cli.notice(f"{ASSUMED}; {command('calibrate', own)} measures it")

@@ -18,6 +18,7 @@ TURN = 4096  # ticks of a Dynamixel in a turn, where nothing else is given
 NEAR = 1e-9  # [rad]; beyond a limit, for rounding
 PWM = SERVO_KINDS["mg90"]  # where no servo is named
 FEWEST_COUNTS = 10.0  # in a radian; hobby servos have 100 and more
+PULSES = (300.0, 3000.0)  # [us] for the middle; hobby servos have 1500
 BUS_NUMBERS = range(1, 254)  # ids of servos; a bus has other uses for 254 and 255
 
 
@@ -132,6 +133,14 @@ def servo_table(
     its counts are; 0, or a rate that it cannot have, leaves that of the make.
     """
     known = card.joint_servos if given is None else given
+    on_bus = make is not None and make.signal == "bus"
+    if make and pwm is False and given is None and not on_bus:
+        known = {  # whose counts are of pulses, and no ticks
+            joint: replace(servo, center=None, counts_per_radian=None)
+            for joint, servo in known.items()
+        }
+    elif on_bus and not pwm and card.board_divider:
+        raise UsageError.of("no_ticks", "the robot's card")
     if make and pwm and make.signal != "pulse":
         for joint in joints:  # a bus gives no pulses, so theirs must be known
             servo = known.get(joint, JointServo())
@@ -147,6 +156,8 @@ def servo_table(
         _channel(joint, number, known.get(joint, JointServo()), make, pwm)
         for number, joint in enumerate(joints)
     ]
+    if make and pwm and not on_bus:
+        _require_pulses(servos, make)
     ticks = round(2 * make.reach / make.resolution) if make else TURN
     return ServoTable(
         channels=tuple(sorted(servos, key=lambda servo: servo.channel)),
@@ -155,6 +166,15 @@ def servo_table(
         clock=card.board_clock,
         assumed=not known.keys() >= set(joints),
     )
+
+
+def _require_pulses(servos: Sequence[Channel], make: ServoKind) -> None:
+    """Refuse counts that are of no pulses, such as ticks of servos on a bus."""
+    for servo in servos:
+        pulse = servo.center * 1e6 / (FRAME * make.command_rate)
+        if not PULSES[0] <= pulse <= PULSES[1]:
+            facts = {"joint": servo.joint, "center": servo.center, "pulse": pulse}
+            raise UsageError.of("no_pulse", "the servo table", **facts)
 
 
 def _in_frames(card: Card, make: ServoKind) -> dict[str, JointServo]:

@@ -96,6 +96,7 @@ def test_what_whole_counts_cost_is_told(classroom, tmp_path, capsys):
     assert main(["export", str(classroom[0]), *words]) == 0
     said, noticed = capsys.readouterr()
     assert "its servos take pulses; ticks are 4096 a turn" in noticed
+    assert "mounting assumed: channels in the order of joints" in noticed
     assert "since angles are rounded to counts of 1.53 mrad: plan on whole" in said
     assert "--set resolution=0.00153398" in said  # a turn over 4096
 
@@ -221,7 +222,9 @@ def test_a_servo_table_of_ros_gives_channels_and_ticks(classroom, tmp_path, caps
     words = ("--format", "dynamixel", "--servo-table", servos, "--no-play", "--json")
     out = map(str, (*words, "--out", tmp_path / "ticks.csv"))
     assert main(["export", str(classroom[0]), *out]) == 0
-    assert "no joint moves so: head\n" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert "no joint moves so: head\n" in said
+    assert "mounting assumed" not in said
     values = np.genfromtxt(tmp_path / "ticks.csv", delimiter=",", names=True)
     assert values["swing_3"][0] == 512
     assert values["lift_3"].max() > 512

@@ -62,18 +62,36 @@ def test_a_servo_goes_to_its_reach_on_both_sides_of_its_offset(beyond):
 
 
 def test_counts_are_whole_and_from_0_to_the_largest():
-    wide = {j: JointServo(center=50.0, limits=(-9.0, 99.0)) for j in JOINTS}
+    wide = {j: JointServo(center=150.0, limits=(-9.0, 99.0)) for j in JOINTS}
     made, step = table(given=wide), MG90.resolution
-    assert made.counts(commands([-50.4 * step, 1.6 * step])).tolist() == [[0, 52]]
+    assert made.counts(commands([-150.4 * step, 1.6 * step])).tolist() == [[0, 152]]
     with pytest.raises(UsageError, match="'one' goes to"):
-        made.counts(commands([-50.6 * step, 0.0]))
-    most = made.largest - 50
+        made.counts(commands([-150.6 * step, 0.0]))
+    most = made.largest - 150
     assert made.largest == 4095
     assert made.counts(commands([0.0, (most + 0.4) * step]))[0, 1] == 4095
     with pytest.raises(UsageError) as caught:
         made.counts(commands([0.0, (most + 0.6) * step]))
-    ends = f"from {-50 * step:.4f} to {most * step:.4f} rad"
+    ends = f"from {-150 * step:.4f} to {most * step:.4f} rad"
     assert ends in str(caught.value)
+
+
+@pytest.mark.parametrize("center", [2048.0, 50.0])
+def test_counts_that_are_of_no_pulse_are_refused(center):
+    """Ticks of a bus would be pulses of 8 ms."""
+    with pytest.raises(UsageError, match="'one', count .*, is a pulse of .* us"):
+        table(given={j: JointServo(center=center) for j in JOINTS})
+
+
+def test_counts_of_pulses_are_no_ticks():
+    servos = {j: JointServo(center=371.0, counts_per_radian=111.4) for j in JOINTS}
+    card = SimpleNamespace(joint_servos=servos, board_clock=25e6, board_divider=102)
+    made = servo_table(card, JOINTS, MG90, False)
+    assert {(s.center, s.counts_per_radian) for s in made.channels} == {
+        (2048, 2048 / np.pi)
+    }
+    with pytest.raises(UsageError, match="counts of its servos are of pulses"):
+        servo_table(card, JOINTS, SERVO_KINDS["xl-330"], False)
 
 
 def test_angles_are_in_the_order_of_channels():
