@@ -206,8 +206,13 @@ def _scanned(commanded: Commanded, rows: Array, measured: Array, start: Array) -
     return np.take_along_axis(both, all_least.argsort(axis=0)[..., None], axis=0)
 
 
-def card_text(robot: Robot, fitted: Fitted, sources: Sequence[str]) -> str:
-    """The robot's card with what was fitted; a UsageError if no walk takes that."""
+def card_text(
+    robot: Robot, fitted: Fitted, sources: Sequence[str], servo: str = "ideal"
+) -> str:
+    """The robot's card with what was fitted; a UsageError if no walk takes that.
+
+    The make of servo that was fitted stands there, since others have other numbers.
+    """
     for key, (value, _) in fitted.items():
         try:
             read(value, SETTINGS[key].kind)
@@ -216,6 +221,7 @@ def card_text(robot: Robot, fitted: Fitted, sources: Sequence[str]) -> str:
             raise UsageError.of("untaken", ", ".join(sources), **facts) from None
     lines = [f"{key} = {json.dumps(value)}" for key, (value, _) in fitted.items()]
     errors = [f"{key} = {json.dumps(error)}" for key, (_, error) in fitted.items()]
+    lines.append(f"servo = {toml_text(servo)}")
     lines.append(f"joints = [{', '.join(map(toml_text, robot.card.joints))}]")
     lines.append(f"source = [{', '.join(map(toml_text, sources))}]")
     table = ["[fitted]", *lines, "", "[fitted.errors]", *errors]

@@ -19,7 +19,7 @@ from sim.motion.stability import margin_at_rest
 from sim.physics.standing import check_standing
 from sim.preparation.reach import immobile, lift_angle
 from sim.preparation.setup import Setup
-from sim.scenarios.scenario import Scenario
+from sim.scenarios.scenario import Scenario, drawn
 from sim.world.changes import changes, overlaps
 from sim.world.model import World, build, load as load_world
 from sim.world.servos import SOFT_STIFFNESS, position_servos, servo_settings
@@ -41,6 +41,7 @@ def inspected(scenario: Scenario, robot: models.Robot) -> Facts:
 
     A robot that does not stand, or cannot do what a setting asks for, is refused.
     """
+    scenario = drawn(scenario, robot)
     lacks, changed = list(overlaps(robot)), tuple(changes(robot, scenario))
     robot, missing = _with_servos(robot)
     lacks += missing

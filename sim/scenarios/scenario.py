@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 FITTED = ("friction", "payload", "slope", "servo_stiffness", "servo_damping",
           "command_delay", "dead_band", "backlash", "zero_offset")  # fmt: skip
 """What `stratawalk fit` writes under [fitted] of a card; all else is of scenarios."""
+OF_SERVOS = {"servo_stiffness", "servo_damping", "command_delay", "dead_band",
+             "backlash"}  # fmt: skip
+"""What belongs to the make of servo that was fitted, and not to another one."""
 LEFT = {*FITTED, "foot_friction", "floor_stiffness"}  # to the card, or to `imperfect`
 
 
@@ -147,13 +150,19 @@ def drawn(scenario: Scenario, robot: "Robot") -> Scenario:
 
 
 def _fitted(scenario: Scenario, robot: "Robot") -> Scenario:
-    card, known = f"the card of {robot}", (*FITTED, "joints", "source", "errors")
+    card = f"the card of {robot}"
+    known = (*FITTED, "servo", "joints", "source", "errors")
     found: dict[str, Any] = {}
+    own = robot.card.servo.made if robot.card.servo else ""
+    make = own if scenario.servo in (None, "own") else scenario.servo
+    other = (make or "ideal").lower() != robot.card.fitted.get("servo", own or "ideal")
     if robot.card.fitted.get("joints", joints := [*robot.card.joints]) != joints:
         raise UsageError.of("fitted_joints", card)
     for key, value in robot.card.fitted.items():
         if key not in known:
             raise UsageError.of("fitted", card, key=key, near=did_you_mean(key, known))
+        if other and key in OF_SERVOS:
+            continue
         if key in FITTED and scenario.leaves(key):
             kind, allowed = SETTINGS[key].kind, SETTINGS[key].allowed
             found[key] = accept(value, kind, allowed, card, key)

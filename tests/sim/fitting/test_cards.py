@@ -26,8 +26,9 @@ def test_what_no_walk_takes_is_written_on_no_card():
 def test_a_card_can_be_read_whatever_its_logs_are_called():
     names = ["a\x7fb.csv", "d'e\"f.csv", "ü.csv"]
     zeros = [0.0] * 12
-    text = card_text(load("hexapod"), {"zero_offset": (zeros, zeros)}, names)
+    text = card_text(load("hexapod"), {"zero_offset": (zeros, zeros)}, names, "mg90")
     assert parse_toml(text)["fitted"]["source"] == names
+    assert parse_toml(text)["fitted"]["servo"] == "mg90"
 
 
 HEADERS = ["[fitted]", "[fitted]  # on Monday", ' [ "fitted" ]', "\r\n[fitted]\r"]

@@ -25,6 +25,24 @@ def fitted(tmp_path):
     return load(str(tmp_path / "mine.xml"))
 
 
+@pytest.mark.parametrize("servo", ["xl-330", "ideal", "MG90", "own", None])
+@pytest.mark.parametrize("made", [{"servo": "mg90"}, {}], ids=["named", "earlier"])
+def test_what_was_fitted_of_a_make_of_servo_is_of_no_other_make(servo, made):
+    """Zeros, friction and the like are the robot's, whatever servos it has."""
+    robot = load("hexapod-classroom")
+    fit = {"servo_stiffness": 7.46, "backlash": 0.01, "friction": 0.3}
+    robot = replace(robot, card=replace(robot.card, fitted=fit | made))
+    found = drawn(load_scenario("line", {"servo": servo} if servo else {}), robot)
+    own = servo not in ("xl-330", "ideal")
+    assert found.servo_stiffness == (7.46 if own else None)
+    assert found.backlash == (0.01 if own else 0.0)
+    assert found.friction == 0.3
+    bus = replace(robot.card.servo, made="xl-330", data={})
+    other = replace(robot, card=replace(robot.card, servo=bus))
+    changed = drawn(load_scenario("line"), other)  # what the card says since
+    assert changed.servo_stiffness == (None if made else 7.46)
+
+
 def test_a_fitted_number_yields_to_one_that_is_named_though_it_is_the_default(fitted):
     default = SETTINGS["friction"].default
     found = drawn(load_scenario("line", {"friction": default}), fitted)
