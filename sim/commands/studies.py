@@ -48,6 +48,13 @@ def sweep(options: argparse.Namespace) -> ExitCode:
     workers = workers or len(os.sched_getaffinity(0))
     with cli.working(options, "checking points"):
         points = sweeping.points_of(asked, shard)
+    robots = {str(table["robot"]) for table in points.tables.values()}
+    for path in map(Path, sorted(robots)):
+        if path.is_file() and not path.with_suffix(".toml").exists():
+            cli.notice(
+                f"{path} has no card beside it; its own, or that of the shipped "
+                "robot whose model name it carries, is used"
+            )
     folder = claim(Path(options.out), shard, options.resume)
     far, first = "what is done is", None
 
@@ -63,7 +70,7 @@ def sweep(options: argparse.Namespace) -> ExitCode:
             first = done  # which count for no pace
             if not options.json:
                 other = folder.ledger.exists() and not done
-                why = "; its ledger has no result of these robots and settings"
+                why = "; its ledger has no finished walk of these robots and settings"
                 say(f"{_points(count)}, {done} of them done before{why * other}", 1)
         about = f"points, {done} of {count} done, {failed} failed"
         progress(about, (done - first) / max(count - first, 1))

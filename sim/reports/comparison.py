@@ -45,8 +45,13 @@ def compare(runs: Sequence[Run]) -> Comparison:
     settings = [{k: toml_value(v) for k, v in flat(run.settings)} for run in runs]
     keys = (k for k in dict.fromkeys(chain(*settings)) if k not in IGNORED)
     rows = [(k, *(s.get(k, "not set") for s in settings)) for k in keys]
-    differing = [row for row in rows if len(set(row[1:])) > 1]
     same = [row[:2] for row in rows if len(set(row[1:])) == 1]
+    seals = [run.summary.seals or {} for run in runs]  # of the robot's files, too
+    files = (
+        k for k in seals[0] if k.startswith("robot/") and all(k in s for s in seals)
+    )
+    rows += [(k, *(f"sealed {s[k]}" for s in seals)) for k in files]
+    differing = [row for row in rows if len(set(row[1:])) > 1]
     return Comparison(
         runs,
         differences=Table(("setting", *names(runs)), differing),

@@ -11,7 +11,7 @@ from contextlib import suppress
 from itertools import combinations
 from pathlib import Path
 from shlex import quote
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 from urllib.parse import quote as url
 from warnings import catch_warnings, filterwarnings
 
@@ -47,6 +47,7 @@ UNITS = {
 """Of the numbers of a robot's shape; the others are lengths."""
 SHEET_HEIGHT = 3.2  # [in]
 LONGEST_LABEL = 60  # letters
+ACROSS, LETTER = 70, 0.08  # letters beside one another; length of one [in]
 MOST_LABELS = 200  # at an axis
 MOST_SQUARES = 16  # beside one another, with a number in each that can be read
 EXTREMES = 5  # points among the best, and among the worst
@@ -227,6 +228,11 @@ def _place(axes: "Axes", results: Results, key: str, way: str) -> list[float]:
         ticks = range(0, len(labels), every)
         getattr(axes, f"set_{way}ticks")(ticks, labels[::every])
         getattr(axes, f"set_{way}lim")(-0.5, len(labels) - 0.5)
+        longest = max(map(len, labels))
+        if way == "x" and len(labels) * longest > ACROSS:
+            axes.tick_params(axis="x", rotation=90)
+            height = SHEET_HEIGHT + LETTER * longest
+            cast("Figure", axes.figure).set_figheight(height)
         return [float(labels.index(_label(value))) for value in values]
     numbers = np.array(values, dtype=float)
     if numbers.min() > 0 and numbers.max() > 20 * numbers.min():

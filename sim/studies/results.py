@@ -25,6 +25,7 @@ from sim.sweeps.table import read_table
 
 LIMITS = (0.01, 0.03, 0.10)  # shares of the path within which predictions hold
 MOST = 1e12  # in any number of a table
+MOST_GIVEN = 3 * 10**6  # values of settings that vary, which take half a minute
 SHORTEST = 1e-9  # way that a walk can be off by a share of [m]
 FURTHER = ("beyond", "fell", "no walk")  # classes, after those of the limits
 FELL, NO_WALK = 4, 5
@@ -132,6 +133,9 @@ def read_results(path: Path, prediction: str = "") -> Results:
     if "vary" not in asked or strange or lacking:
         what = ", ".join(["it does not say what varies", *strange, *lacking])
         raise UsageError(what, str(file), "give the table that a sweep has written")
+    if (given := len(keys) * len(columns["point"])) > MOST_GIVEN:
+        what = f"{given} values of settings that vary, where {MOST_GIVEN} are read"
+        raise UsageError(what, str(file), "give a part of its rows")
     columns.setdefault("verdict", [None] * len(columns["point"]))
     _require("point", columns["point"], "whole numbers from 0", int)
     (point, times), *_ = Counter(columns["point"]).most_common(1) or [(0, 1)]

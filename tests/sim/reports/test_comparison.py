@@ -13,7 +13,7 @@ from sim.reports.comparison import compare
 from sim.reports.drawing import FEW, stretches
 from sim.runs.run import Run, read_run
 from tests.browser import ask
-from tests.finished_runs import reset
+from tests.finished_runs import reset, sealed
 
 SEEN = """
 return {
@@ -48,6 +48,19 @@ def test_the_table_begins_with_the_settings_that_differ(runs, capsys):
 def test_runs_of_one_scenario_do_not_differ(runs, capsys):
     assert main(["compare", str(runs[0]), str(runs[0])]) == 0
     assert capsys.readouterr().out.startswith("All settings are the same.\n")
+
+
+def test_runs_of_a_robot_whose_file_was_changed_between_them_differ(
+    runs, tmp_path, capsys
+):
+    copies = [shutil.copytree(runs[0], tmp_path / name) for name in ("a", "b")]
+    for copy, mass in zip(copies, ("1", "2"), strict=True):
+        summary = json.loads((copy / "summary.json").read_text())
+        (copy / "robot").mkdir()
+        (copy / "robot" / "mine.xml").write_text(mass)
+        sealed(copy, seals=summary["seals"] | {"robot/mine.xml": None})
+    assert main(["compare", *map(str, copies)]) == 0
+    assert capsys.readouterr().out.splitlines()[1].startswith("robot/mine.xml  sealed")
 
 
 def test_json_holds_a_row_a_run(runs, capsys):

@@ -8,6 +8,7 @@ import pytest
 from pyarrow import parquet
 
 from sim.cli import main
+from sim.studies import results
 from sim.sweeps import table
 
 
@@ -126,3 +127,14 @@ def test_the_table_of_a_stranger_is_refused_in_one_line(
     assert code == (2 if said else 0)
     assert said.replace("{file}", str(tmp_path / "in" / "table.parquet")) in line
     assert {path.name for path in tmp_path.iterdir()} == {"in"}
+
+
+def test_settings_of_a_table_are_as_many_as_are_studied_in_half_a_minute(
+    tmp_path, capsys, monkeypatch
+):
+    path = tmp_path / "table.parquet"
+    foreign(column("friction"))(path)
+    for most, code in ((3, 0), (2, 2)):
+        monkeypatch.setattr(results, "MOST_GIVEN", most)
+        assert main(["study", str(path), "--out", str(tmp_path / "maps")]) == code
+    assert "3 values of settings that vary, where 2 are read" in capsys.readouterr().err

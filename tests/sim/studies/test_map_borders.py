@@ -153,6 +153,13 @@ def test_labels_at_an_axis_are_as_many_as_are_read(axes, count, read):
     assert labels == words[:: -(-count // read)]
 
 
+@pytest.mark.parametrize(("count", "letters", "turned"), [(7, 10, 0), (4, 18, 90)])
+def test_labels_that_would_touch_are_turned(axes, count, letters, turned):
+    words = [f"{k}".ljust(letters, "x") for k in range(count)]
+    _place(axes, SimpleNamespace(columns={"w": words}), "w", "x")
+    assert axes.get_xticklabels()[0].get_rotation() == turned
+
+
 def test_a_curve_has_all_points_in_per_cent_and_what_is_rounding_at_its_foot(axes):
     some = results([0.0, 0.02, None])
     _draw_curve(axes, some, "a")
@@ -215,7 +222,7 @@ def test_changes_are_a_quarter_of_their_unit():
 def test_the_effects_on_a_run_are_those_at_its_last_moment(monkeypatch):
     asked = []
     run = SimpleNamespace(time=np.array([0.0, 1.0, 2.5]), legs=(1, 2))
-    monkeypatch.setattr(library, "course_of_run", lambda _: ("phases", "course"))
+    monkeypatch.setattr(library, "course_of_run", lambda *_: ("phases", "course"))
     monkeypatch.setattr(library, "changes_of", lambda *given: given)
     monkeypatch.setattr(library, "sensitivities", lambda *given: asked.append(given))
     library.sensitivities_of(run)
