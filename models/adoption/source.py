@@ -19,6 +19,7 @@ from xml.sax.saxutils import quoteattr
 
 import mujoco
 
+from models.adoption.packages import with_packages
 from models.adoption.words import first, guess, refusal
 from models.description.compiled import named, one_line, read_spec
 from models.description.inspection import inspect_model
@@ -26,8 +27,6 @@ from models.errors import ModelError, UnknownRobotError, message
 from planner.support import read_file
 
 FREE = re.compile(r"<freejoint|type=\"free\"")
-PACKAGE = r"""package://([^/"']+)/([^"']+)"""
-PARENTS = 4  # folders above a URDF in which its packages are looked for
 ROOT = "adopted_world"  # link that a URDF's base floats in
 
 
@@ -86,7 +85,7 @@ def source_of(name: str, allow_external: bool = False) -> Source:
         inspect_model(path, (), allow_external)
         return Source(path, path, None)
     given = read_file(path).decode(errors="replace")
-    found = re.sub(PACKAGE, lambda name: _in_package(path.parent, name), given)
+    found = with_packages(given, path.parent)
     drawn, notes = with_shapes(path, given, re.sub("(?<=[\"'])file://", "", found))
     if drawn == given:
         inspect_model(path, (), allow_external)
@@ -110,16 +109,6 @@ def _in_folder(folder: Path) -> Path:
         if path.is_file() and FREE.search(read_file(path).decode(errors="replace")):
             return path
     raise UnknownRobotError(message("no_free", count=len(files), folder=folder))
-
-
-def _in_package(folder: Path, name: re.Match[str]) -> str:
-    """A file of a ROS package, above or beside the URDF, as a path from its folder."""
-    for above in (folder.resolve(), *folder.resolve().parents[:PARENTS]):
-        # a package is often kept in a folder of another name
-        for found in (above.joinpath(*name.groups()), above / name[2]):
-            if os.path.isfile(found):
-                return os.path.relpath(found, folder.resolve())
-    return name.group()
 
 
 def _from_urdf(path: Path, text: str) -> str:

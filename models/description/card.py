@@ -186,6 +186,12 @@ class Card:
         if not 0 <= (least := self.least_load) < 1 / 3:
             raise ValueError(message("least_load", given=least))
 
+    @property
+    def mounted(self) -> dict[str, JointServo]:
+        """Servos of which it is known where they are plugged in, by joint."""
+        servos = self.joint_servos.items()
+        return {joint: servo for joint, servo in servos if servo.channel is not None}
+
     def _check_groups(self) -> None:
         for what, some, most in (
             ("strata", self.gait, MOST_OTHERS),

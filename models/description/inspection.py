@@ -183,6 +183,7 @@ def _tried(path: Path) -> list[str]:
 
 HANDY = 35 * 10**7  # bytes of a compiled model, of which copies are made, and of states
 DRAWN = 170  # bytes that a picture of a height field takes for each height
+DENSE = 64  # bytes of matrices that tell whether explicit steps are stable
 NAMING = 0.5  # seconds of the processor, a hundred times what robots take
 MOST_KEYS = 1000  # keyframes, of which each takes long to leave out among many
 STATES_KEPT, HISTORIES = 1000, 10  # of a walk that are kept at once, at most
@@ -202,6 +203,7 @@ def examine(path: Path) -> list[Path]:
     numbers = model.nsensordata + model.nuserdata + model.na + model.nq + model.nv
     size = mujoco.mj_sizeModel(model) + DRAWN * model.nhfielddata
     size += 8 * (STATES_KEPT * numbers + HISTORIES * model.nhistory)
+    size += DENSE * model.nv**2
     if size > HANDY:
         facts = {"states": STATES_KEPT, "size": size / 1e9, "most": HANDY / 1e9}
         raise refusal("large_states", path, **facts)

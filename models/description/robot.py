@@ -77,6 +77,12 @@ class Robot:
         return np.array([groups[group].legs[leg] for leg, group in of_leg])
 
     @property
+    def largest_gain(self) -> np.ndarray:
+        """Swing of the joint that swings farthest per angle of its group, (G,)."""
+        legs = (group.legs.values() for group in self.card.groups.values())
+        return np.array([max(map(abs, gains)) for gains in legs])
+
+    @property
     def leg_cards(self) -> tuple[LegCard, ...]:
         """Joints and geoms of each leg, legs in ascending order."""
         return tuple(self.card.legs[leg] for leg in self.legs)

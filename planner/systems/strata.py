@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike
 from planner.errors import StratumError, message, point, require_known, unknown
 from planner.numerics.arrays import Array
 from planner.numerics.subspaces import directions_beyond
+from planner.support.stopping import tick
 from planner.systems import declaration
 from planner.systems.fields import CompiledFields, Symbols, VectorField, compile_fields
 from planner.systems.level_sets import LevelSet
@@ -170,14 +171,14 @@ class StratifiedSystem:
     @cached_property
     def edges(self) -> tuple[tuple[str, str], ...]:
         """Pairs of neighbours (lower, higher) in the graph of strata, Figs. 2 and 3."""
-        contacts = self.contacts
-        return tuple(
-            (low, high)
-            for low in self.strata
-            for high in self.strata
-            if contacts[high] < contacts[low]
-            and not any(contacts[high] < c < contacts[low] for c in contacts.values())
-        )
+        found: list[tuple[str, str]] = []
+        for low, own in self.contacts.items():
+            tick()
+            above = {name: c for name, c in self.contacts.items() if c < own}
+            for high, c in above.items():
+                if not any(c < other for other in above.values()):
+                    found.append((low, high))
+        return tuple(found)
 
     @cached_property
     def neighbours(self) -> dict[str, tuple[str, ...]]:
@@ -213,10 +214,12 @@ class StratifiedSystem:
         for low, high in self.edges:
             broken = len(self.contacts[low] - self.contacts[high])
             counts[low, high] = counts[high, low] = broken
-        for by, a, b in product(self.strata, repeat=3):  # Floyd and Warshall's method
-            if (a, by) in counts and (by, b) in counts:
-                through = counts[a, by] + counts[by, b]
-                counts[a, b] = min(through, counts.get((a, b), through))
+        for by, a in product(self.strata, repeat=2):  # Floyd and Warshall's method
+            tick()
+            for b in self.strata if (a, by) in counts else ():
+                if (by, b) in counts:
+                    through = counts[a, by] + counts[by, b]
+                    counts[a, b] = min(through, counts.get((a, b), through))
         return counts
 
     def _require_tangent_fields(self, stratum: str) -> None:

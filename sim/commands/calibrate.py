@@ -4,6 +4,7 @@ import argparse
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import nullcontext, redirect_stdout, suppress
+from dataclasses import replace
 from math import degrees
 from pathlib import Path
 from typing import TypeVar
@@ -133,7 +134,7 @@ def _calibrated(
     """Ask for every servo that the card does not have, and write it at once."""
     card, number = robot.card, len(robot.card.joints)
     file = robot.path.with_suffix(".toml")
-    known, pulse = dict(card.joint_servos), kind.signal == "pulse"
+    known, pulse = dict(card.mounted), kind.signal == "pulse"
     board = description.parse_toml(robot.card_text).get("board", {})
     clock = card.board_clock if "clock" in board else None
     _require_room(robot)
@@ -157,12 +158,13 @@ def _calibrated(
         for joint, servo in _found(robot, kind, known, divider, ask):
             text = read_text(file)  # in which an owner may have written meanwhile
             there = description.parse_card(text, str(file))
-            servos = {**there.joint_servos, joint: servo}
+            limits = there.joint_servos.get(joint, JointServo()).limits
+            servos = {**there.joint_servos, joint: replace(servo, limits=limits)}
             if "clock" in description.parse_toml(text).get("board", {}):
                 clock = there.board_clock
             with whole(file) as part:
                 part.write_text(card_with(text, servos, clock, divider), "utf-8")
-            known = servos
+            known = {**there.mounted, joint: servo}
     out = [] if folder.path == Path(OUT) else ["--out", folder.path]
     check = command("calibrate", robot.path, "--check", *out)
     return {"card": f"{file}, {len(known)} servos", "next": check}
@@ -279,7 +281,7 @@ class _Asker:
 def _check(robot: Robot, kind: ServoKind, folder: RunFolder) -> Mapping[str, str]:
     """Write three strokes for the servos that the card has."""
     card = robot.card
-    if missing := [joint for joint in card.joints if joint not in card.joint_servos]:
+    if missing := [joint for joint in card.joints if joint not in card.mounted]:
         facts = {"joint": missing[0], "find": command("calibrate", robot.path)}
         raise UsageError.of("no_servo", "the robot's card", **facts)
     pulse = kind.signal == "pulse"

@@ -142,7 +142,7 @@ class Drive:
             return
         counts, slower = ceil(speeds.max() / kind.resolution / 50) * 50, {}
         if np.delete(speeds, self._lifts).max(initial=0.0) > most:
-            slower["swing_speed"] = most / np.abs(setup.robot.swing_gain).max()
+            slower["swing_speed"] = most
         if (lifted := speeds[self._lifts].max()) > most:
             angle = most / lifted * setup.limits.lift_angle
             slower["lift_height"] = setup.kinematics.rise(angle).min()

@@ -219,7 +219,8 @@ def _hasty(evidence: Evidence) -> str:
     """Strokes that speed up faster than friction holds the feet."""
     setup, scenario = evidence.walk.setup, evidence.walk.setup.scenario
     rates = np.linalg.norm(setup.kinematics.standing.rates, axis=-1)
-    speeds_up = scenario.swing_acceleration * float(rates.max())
+    gains = setup.robot.largest_gain[setup.robot.group_of_leg]
+    speeds_up = scenario.swing_acceleration * float((rates / gains).max())
     held = scenario.friction * float(np.linalg.norm(setup.model.opt.gravity))
     facts = {"speeds_up": speeds_up, "held": held}
     return say("hasty", **facts) if speeds_up > USED_UP * held else ""

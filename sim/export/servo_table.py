@@ -164,7 +164,7 @@ def servo_table(
         largest=(FRAME if pwm else max(ticks, TURN if known else 0)) - 1,
         frame_rate=make.command_rate if make and pwm else 0.0,
         clock=card.board_clock,
-        assumed=not known.keys() >= set(joints),
+        assumed=any(known.get(j, JointServo()).channel is None for j in joints),
     )
 
 

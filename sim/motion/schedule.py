@@ -29,6 +29,14 @@ class MotionLimits:
     hold: float  # [s], at both ends
     timestep: float  # [s]
     groups: tuple[str, ...]  # names, in the order of every array
+    gains: tuple[
+        float, ...
+    ] = ()  # largest of each group's legs; 1 where none are given
+
+    def farthest(self, direction: Sequence[float], amount: float) -> float:
+        """How far the joint turns that turns farthest in a swing [rad]."""
+        turned = np.multiply(direction, self.gains or 1.0)
+        return abs(amount) * float(np.abs(turned).max())
 
     def swing_steps(self, direction: Sequence[float], amount: float) -> tuple[int, int]:
         """Number of steps of a swing and of its acceleration, within both bounds.
@@ -36,7 +44,7 @@ class MotionLimits:
         The peak of the acceleration along the cubic is 1.5 times its mean.
         """
         acceleration, dt = self.swing_acceleration, self.timestep
-        farthest = abs(amount * max(map(abs, direction)))
+        farthest = self.farthest(direction, amount)
         peak = min(self.swing_speed, sqrt(farthest * acceleration / 1.5))
         rise = ceil(1.5 * peak / acceleration / dt)
         cruise = ceil(max(farthest / peak / dt - rise, 0.0)) if peak else 0
@@ -45,7 +53,7 @@ class MotionLimits:
     def swing_peak(self, direction: Sequence[float], amount: float) -> float:
         """Highest speed that a joint comes to in a swing [rad/s]."""
         steps, rise = self.swing_steps(direction, amount)
-        way = abs(amount) * max(map(abs, direction))
+        way = self.farthest(direction, amount)
         return way / ((steps - rise) * self.timestep) if steps else 0.0
 
 

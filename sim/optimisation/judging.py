@@ -162,7 +162,7 @@ def task_of(setup: Setup, within: tuple[float, float]) -> Task:
     system = described.system
     names = [str(symbol) for symbol in system.state]
     pace = {
-        name: max(map(abs, direction)) / setup.limits.swing_speed
+        name: setup.limits.farthest(direction, 1.0) / setup.limits.swing_speed
         for name, direction in described.swings.items()
     }
     stages = cycle(system, described.elements)

@@ -262,8 +262,9 @@ def top_speed(setup: Setup) -> float:
         shares = np.random.default_rng(0).uniform(size=(DRAWN_ANGLES, len(low)))
     swing, fastest = low + shares * (high - low), 0.0
     for name in set(described.elements) & set(described.swings):
-        direction = np.array(described.swings[name])
-        rates = direction / np.abs(direction).max() * setup.limits.swing_speed
+        direction = described.swings[name]
+        widest = setup.limits.farthest(direction, 1.0)
+        rates = np.array(direction) / widest * setup.limits.swing_speed
         stratum = described.system.stratum_of[name]
         velocity = twists(stratum, swing, np.broadcast_to(rates, swing.shape))
         fastest = max(fastest, float(np.hypot(*velocity[:, :2].T).max()))

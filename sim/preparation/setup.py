@@ -265,6 +265,7 @@ def prepare(
         hold=scenario.hold,
         timestep=scenario.timestep,
         groups=robot.groups,
+        gains=tuple(robot.largest_gain.tolist()),
     )
     setup = Setup(
         scenario=scenario,

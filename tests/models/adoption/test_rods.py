@@ -1,6 +1,5 @@
 """Meshes that are looked for in packages, rods in their place, and servos drafted."""
 
-import re
 from math import pi
 from xml.etree import ElementTree as ET
 
@@ -9,9 +8,8 @@ import pytest
 
 from models import Kinematics, load
 from models.adoption.anatomy import servo_for
-from models.adoption.source import _add, _in_package
-
-MESH = re.compile(r"(\w+)/(.+)")
+from models.adoption.packages import with_packages
+from models.adoption.source import _add
 
 
 @pytest.mark.parametrize(("above", "found"), [(1, True), (4, True), (5, False)])
@@ -21,8 +19,26 @@ def test_packages_are_looked_for_in_four_folders_above_a_urdf(tmp_path, above, f
     mesh = folder.parents[above - 1] / "leg" / "foot.stl"
     mesh.parent.mkdir()
     mesh.touch()
-    name = _in_package(folder, MESH.fullmatch("leg/foot.stl"))
-    assert (folder / name).is_file() == found
+    given = "package://leg/foot.stl"
+    named = with_packages(f"'{given}'", folder)
+    assert (folder / named.strip("'")).is_file() == found
+    assert (named == f"'{given}'") != found
+
+
+@pytest.mark.parametrize("called", ["other", "own", None])
+def test_a_file_is_that_of_the_package_which_is_named(tmp_path, called):
+    """That of a package in a folder of another name only if it says nothing else."""
+    folder = tmp_path / "robot" / "urdf"
+    folder.mkdir(parents=True)
+    for place in ("robot", "other"):
+        (tmp_path / place / "foot.stl").parent.mkdir(exist_ok=True)
+        (tmp_path / place / "foot.stl").touch()
+    if called:
+        text = f"<package>\n  <name>{called}</name></package>"
+        (tmp_path / "robot" / "package.xml").write_text(text)
+    assert with_packages("package://other/foot.stl", folder) == "../../other/foot.stl"
+    mine = with_packages("package://own/foot.stl", folder)
+    assert (mine == "../foot.stl") == (called != "other")
 
 
 def test_parts_are_not_turned_unless_that_is_said():

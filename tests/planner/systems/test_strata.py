@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from planner.errors import StratumError
+from planner.errors import BudgetError, StratumError
+from planner.support import limited
 from planner.systems.fields import NumericField
 from planner.systems.flows import Gait
 from planner.systems.level_sets import LevelSet
@@ -62,6 +63,13 @@ def test_ways_between_strata_have_the_fewest_contact_switches_of_all():
     for a, b, c in product(names, repeat=3):
         through = sparse.switches(a, b) + sparse.switches(b, c)
         assert sparse.switches(a, c) <= through
+
+
+def test_a_graph_of_many_strata_is_left_when_the_time_is_over():
+    names = [chr(0x4E00 + n) for n in range(300)]
+    many = system(strata={s: {f"g{s}": [1, 0]} for s in names}, bottom=names[0])
+    with pytest.raises(BudgetError), limited(0.0):
+        many.switches(*names[:2])
 
 
 def test_level_set_finds_points_on_a_curved_stratum():

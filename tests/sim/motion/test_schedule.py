@@ -48,6 +48,14 @@ def test_a_swing_keeps_its_speed_and_acceleration_bounds(amount, timestep):
     assert (np.sign(amount) * speed >= 0).all()
 
 
+@pytest.mark.parametrize("gains", [(2.0, 1.0), (0.5, 1.0)])
+def test_the_bounds_are_of_the_joint_that_swings_farthest(gains):
+    """Its leg may swing farther than its group, or less far."""
+    own, of_joint = replace(LIMITS, gains=gains), 0.4 * gains[0]
+    assert own.swing_steps((1.0, 0.0), 0.4) == LIMITS.swing_steps((1.0, 0.0), of_joint)
+    assert own.swing_peak((1.0, 0.0), 3.0) == pytest.approx(0.5, rel=1e-2)
+
+
 def test_a_long_swing_uses_the_speed_it_is_given():
     steps, _ = LIMITS.swing_steps((1.0, 0.0), 3.0)
     # 3 rad at 0.5 rad/s, and one rise of 1.5 * 0.5 / 5 s for starting and stopping
