@@ -18,8 +18,6 @@ from sim.motion.schedule import LegState, Schedule
 from sim.preparation.scheduling import scheduled
 from sim.preparation.setup import Setup
 
-TIPPING = -1e-6  # [m], of a margin that is less than rounding
-INSPECTED_APART = 5e-3  # [rad] by which configurations differ that are looked at
 ALLOW = "or walk it all the same with --allow-unstable"
 
 Pairs = dict[tuple[int, int], float]  # geoms that touch, and how deep [m]
@@ -48,7 +46,7 @@ def require_sound_flows(
 def _refuse_tipping(setup: Setup, schedule: Schedule, rows: Array) -> None:
     found = commanded(schedule, rows, setup.kinematics)
     worst = int(found.margin.argmin())
-    if (margin := found.margin[worst]) < TIPPING:
+    if (margin := found.margin[worst]) < -1e-6:  # [m], beyond rounding
         stratum = schedule.phases[found.phase[worst]].stratum
         where = f"its margin on S{stratum} is predicted as {1e3 * margin:.1f} mm"
         what = f"the plan tips the robot over: {where}"
@@ -56,53 +54,44 @@ def _refuse_tipping(setup: Setup, schedule: Schedule, rows: Array) -> None:
 
 
 def _refuse_collisions(setup: Setup, swing: Array, lift: Array, rows: Array) -> None:
-    angles, overlaps = np.concatenate([swing, lift], axis=1), Collisions(setup)
-    _, first = np.unique(np.round(angles / INSPECTED_APART), axis=0, return_index=True)
+    angles = np.concatenate([swing, lift], axis=1)
+    _, first = np.unique(np.round(angles / 5e-3), axis=0, return_index=True)  # [rad]
     seen = np.sort(first)
-    for row, found in zip(seen, overlaps(swing[seen], lift[seen]), strict=True):
+    every = collisions(setup, swing[seen], lift[seen])
+    for row, found in zip(seen, every, strict=True):
         for pair, depth in found.items():
             names = " and ".join(_name(setup.model, geom) for geom in pair)
             what = f"the plan makes legs collide: {names} overlap by "
             raise _refusal(f"{what}{1e3 * depth:.1f} mm", setup, rows[row])
 
 
-class Collisions:
-    """Which parts of a robot overlap at given angles that do not where it stands."""
+def collisions(setup: Setup, swing: Array, lift: Array) -> Iterator[Pairs]:
+    """Geoms of a robot that overlap, and do not where it stands.
 
-    def __init__(self, setup: Setup) -> None:
-        robot, model = setup.robot, copy(setup.model)
-        other = model.body_rootid[model.geom_bodyid] != model.body(robot.root).id
-        model.geom_contype[other] = model.geom_conaffinity[other] = 0
-        self._robot, self._model, self._data = robot, model, mujoco.MjData(model)
-        self._data.qpos[:] = model.key("start").qpos
-        self._other = other
-
-    def __call__(self, swing: Array, lift: Array) -> Iterator[Pairs]:
-        """Overlapping geoms at angles of the groups in turn, (T, G) each [rad]."""
-        rest = np.zeros((1, len(self._robot.groups)))
-        always = next(self._overlaps(rest, rest))
-        for found in self._overlaps(swing, lift):
-            yield {pair: depth for pair, depth in found.items() if pair not in always}
-
-    def _overlaps(self, swing: Array, lift: Array) -> Iterator[Pairs]:
-        model, data = self._model, self._data
-        targets = self._robot.targets(swing, lift)
-        places = [model.joint(joint).qposadr[0] for joint in targets]
-        for angles in np.stack(list(targets.values()), axis=-1):
-            tick()
-            data.qpos[places] = angles
-            mujoco.mj_kinematics(model, data)
-            mujoco.mj_comPos(model, data)
-            mujoco.mj_collision(model, data)
-            yield self._found() if data.ncon else {}
-
-    def _found(self) -> Pairs:
-        found, contact = Pairs(), self._data.contact
-        own = ~self._other[contact.geom].any(axis=1)  # pairs may be declared
+    They are found at angles of the groups in turn, (T, G) each [rad].
+    """
+    robot, model = setup.robot, copy(setup.model)
+    other = model.body_rootid[model.geom_bodyid] != model.body(robot.root).id
+    model.geom_contype[other] = model.geom_conaffinity[other] = 0
+    data, rest = mujoco.MjData(model), np.zeros((1, len(robot.groups)))
+    data.qpos[:] = model.key("start").qpos
+    targets = robot.targets(np.vstack([rest, swing]), np.vstack([rest, lift]))
+    places = [model.joint(joint).qposadr[0] for joint in targets]
+    always: Pairs | None = None  # what overlaps at rest
+    for angles in np.stack(list(targets.values()), axis=-1):
+        tick()
+        data.qpos[places] = angles
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        mujoco.mj_collision(model, data)
+        found, contact = Pairs(), data.contact
+        own = ~other[contact.geom.reshape(-1, 2)].any(axis=1)  # pairs may be declared
         for k in np.flatnonzero(own & (contact.dist < 0) & (contact.exclude == 0)):
-            one, other = sorted(contact.geom[k].tolist())
-            found[one, other] = -float(contact.dist[k])
-        return found
+            one, two = sorted(contact.geom[k].tolist())
+            found[one, two] = -float(contact.dist[k])
+        always = found if always is None else always
+        if found is not always:
+            yield {pair: depth for pair, depth in found.items() if pair not in always}
 
 
 def _refusal(what: str, setup: Setup, row: int) -> SimulationError:

@@ -13,7 +13,7 @@ from sim.cli import main
 from sim.errors import SimulationError
 from sim.evaluation.assessment import evaluate, summarise
 from sim.evaluation.deviations import Scale
-from sim.planning.soundness import Collisions, require_sound_flows
+from sim.planning.soundness import collisions, require_sound_flows
 from sim.preparation.setup import prepare
 from sim.scenarios.body_path import line
 from sim.scenarios.file import load_scenario
@@ -269,7 +269,7 @@ def clumsy(folder, size=0.0805):
 def test_legs_that_would_touch_are_foreseen(tmp_path):
     setup = prepare(load_scenario("line", {"robot": str(clumsy(tmp_path))}))
     angles = np.array([[0.0, 0.0], [0.4, 0.0]])
-    standing, found = Collisions(setup)(angles, np.zeros((2, 2)))
+    standing, found = collisions(setup, angles, np.zeros((2, 2)))
     assert standing == {}
     feet = {setup.model.geom(f"foot_{leg}").id for leg in (3, 5)}
     assert tuple(sorted(feet)) in found
