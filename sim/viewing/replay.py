@@ -22,7 +22,7 @@ from planner import Array
 from planner.support import installing, tick
 from sim import palette
 from sim.errors import UsageError
-from sim.folder import blamed_on, whole
+from sim.folder import RunFolder, blamed_on
 from sim.palette import ACHIEVED, FOOTPRINT, GOAL, NOMINAL, PREDICTED, Colour
 from sim.pictures.clock import FRAME_RATE, clock
 from sim.pictures.drawing import CORNERS
@@ -37,9 +37,7 @@ if TYPE_CHECKING:
 NAME = "replay.html"
 PICTURES_APART = 2  # of the film's clock
 LIFT, THICK, WIDE = 0.004, 0.004, 0.007  # of lines, in units of the robot's reach
-Mesh = tuple[Array, Array]  # corners (N, 3) [m] and faces (M, 3)
 KIND = mujoco.mjtGeom
-ROUND_SIDES = 20  # of what is round
 TORSO = 0.35  # opacity, so that the paths below are seen
 
 
@@ -48,12 +46,10 @@ def write_replay(
 ) -> Path:
     """Write `replay.html` into a run folder; progress is called with the share done."""
     with blamed_on(folder):
-        page = _page(read_run(folder).in_world(), progress).encode()
+        page = _page(read_run(folder).in_world(), progress)
         tick()  # a callback of viser may have lost an interruption
-    path = folder / NAME
-    with whole(path, len(page)) as part:
-        part.write_bytes(page)
-    return path
+    RunFolder(folder).write_text(NAME, page)
+    return folder / NAME
 
 
 def _page(walk: Run, progress: Callable[[float], None]) -> str:
@@ -178,12 +174,12 @@ def _line(
     scene.add_line_segments(name, pieces, colour, thickness=width * run.reach)
 
 
-def mesh_of(model: mujoco.MjModel, geom: int) -> Mesh | None:
-    """The surface of a geom in its own frame; None of planes and height fields."""
+def mesh_of(model: mujoco.MjModel, geom: int) -> tuple[Array, Array] | None:
+    """Corners (N, 3) [m] and faces (M, 3) of a geom, in its frame; None of floors."""
     import trimesh
 
     size, kind = model.geom_size[geom], model.geom_type[geom]
-    make, sides = trimesh.creation, ROUND_SIDES
+    make, sides = trimesh.creation, 20  # of what is round
     if kind == KIND.mjGEOM_MESH:
         mesh = int(model.geom_dataid[geom])
         corner, face = model.mesh_vertadr[mesh], model.mesh_faceadr[mesh]
