@@ -17,9 +17,7 @@ from sim.runs.run import Run
 
 KIND = mujoco.mjtGeom
 PATH_POINTS = 120  # of a path
-PRINTS = 120  # footprints, the latest ones; the viewer draws 1024 geoms in all
 BEND = 0.2  # of a path's width: the same line in fewer rods, each of them costs time
-COVERED = 0.4  # of a footprint's radius: one print hides an earlier one so near
 # In units of the robot's reach.
 HIGH, THICK = 0.008, 0.006  # above the floor, width of paths
 
@@ -31,7 +29,7 @@ class Marks:
         self._walk = walk
         *_, last = walk.drawn
         self._ghost = Ghost(walk, model, last)
-        self._still = [*self._paths(), self._goal()]
+        self._still = list(self._unmoved())
         self._prints = _uncovered(walk, *landings(walk))
         self._shown: tuple[int, list[mujoco.MjvGeom]] = -1, []
 
@@ -53,22 +51,19 @@ class Marks:
         apart = BEND * THICK * self._walk.reach
         return shapely.get_coordinates(shapely.LineString(points).simplify(apart))
 
-    def _paths(self) -> Iterator[mujoco.MjvGeom]:
+    def _unmoved(self) -> Iterator[mujoco.MjvGeom]:
+        """Paths, where the robot was thought to be, and the goal."""
         walk = self._walk
         nominal = thinned(walk.nominal[:, :2])
         yield from self._line(nominal, NOMINAL.colour, THICK, level=0, step=2)
         for level, (name, poses) in enumerate(walk.drawn.items(), start=1):
             colour = palette.PREDICTED[name].colour
             yield from self._line(self._bent(poses), colour, THICK, level)
-
         for outline in walk.thought:
             yield from self._line(outline, palette.THOUGHT.colour, THICK / 2, level=3)
-
-    def _goal(self) -> mujoco.MjvGeom:
-        reach = self._walk.reach
-        place = np.append(self._walk.nominal[-1, :2], HIGH * reach / 2)
-        size = np.array([GOAL, HIGH / 4, 0.0]) * reach
-        return decor(KIND.mjGEOM_CYLINDER, size, place, NOMINAL.colour.rgba(0.5))
+        place = np.append(walk.nominal[-1, :2], HIGH * walk.reach / 2)
+        size = np.array([GOAL, HIGH / 4, 0.0]) * walk.reach
+        yield decor(KIND.mjGEOM_CYLINDER, size, place, NOMINAL.colour.rgba(0.5))
 
     def _line(
         self, points: Array, colour: Colour, width: float, level: int, step: int = 1
@@ -87,7 +82,7 @@ class Marks:
         rows, feet = self._prints
         stop = int(np.searchsorted(rows, row, side="right"))
         size = np.array([FOOTPRINT, HIGH / 4, 0.0]) * self._walk.reach
-        for i in range(max(stop - PRINTS, 0), stop):
+        for i in range(max(stop - 120, 0), stop):  # the viewer draws 1024 geoms
             foot = int(feet[i])
             place = np.append(self._walk.contact_point[rows[i], foot], size[1])
             colour = palette.footprint(self._walk.group_of_foot[foot]).rgba()
@@ -119,7 +114,7 @@ def landings(walk: Run) -> tuple[Array, Array]:
 
 def _uncovered(run: Run, rows: Array, feet: Array) -> tuple[Array, Array]:
     """The landings whose prints are not hidden by an earlier one of the same foot."""
-    near, kept = COVERED * FOOTPRINT * run.reach, []
+    near, kept = 0.4 * FOOTPRINT * run.reach, []
     last: dict[int, list[Array]] = {}
     for i, (row, foot) in enumerate(zip(rows, feet, strict=True)):
         place, seen = run.contact_point[row, foot], last.setdefault(int(foot), [])

@@ -16,7 +16,6 @@ from sim.pictures.legend import entries
 from sim.runs.run import Run
 from sim.viewing.marks import Marks, middle_and_extent
 
-REST = 0.008  # [s] between states that are sent
 PERCENT = 100.0
 CORNER = (330.0, 60.0)  # of the panel, beside the viewer's own [pixels]
 AGAIN = 1.0  # [s] after which controls are sent again to a viewer that came late
@@ -56,7 +55,7 @@ class Player(plugin.SimPlugin):
             paused = names.NORMAL_PAUSED if state[0] else names.UNPAUSED
             controls = {"pause_state": paused, "speed": PERCENT * state[1]}
             self.handle.send_to_viewer(messages.StepControlSnapshot(**controls))
-        time.sleep(REST)
+        time.sleep(0.008)  # between states that are sent
         return True
 
     @messages.handler
