@@ -215,7 +215,10 @@ def sole_owner(path: Path) -> Iterator[None]:
         try:
             lock.acquire()
         except Timeout:
-            who = _owner_in(owner) or "another process"
+            who = "another process"
+            with suppress(OSError, ValueError, KeyError, TypeError):
+                found = json.loads(read_file(owner))
+                who = f"process {found['pid']} on {found['host']}"
             raise FilesError.of("working", path.parent, who=who) from None
     try:
         me = {"pid": os.getpid(), "host": socket.gethostname()}
@@ -224,12 +227,3 @@ def sole_owner(path: Path) -> Iterator[None]:
     finally:
         owner.unlink(missing_ok=True)
         lock.release()
-
-
-def _owner_in(file: Path) -> str | None:
-    """Who stands in the file, in words."""
-    try:
-        found = json.loads(read_file(file))
-        return f"process {found['pid']} on {found['host']}"
-    except (OSError, ValueError, KeyError, TypeError):
-        return None

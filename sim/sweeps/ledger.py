@@ -102,7 +102,7 @@ def _opened(robot: str, changed: frozenset[tuple[Path, int]]) -> frozenset[Path]
 
 @cache
 def _digest(path: Path, changed: int, size: int) -> str:
-    return hashlib.sha256(read_file(path, LARGEST_FILE)).hexdigest()
+    return hashlib.sha256(read_file(path, 10**9)).hexdigest()
 
 
 OK = "ok"
@@ -111,7 +111,6 @@ SEAL = b'{"seal": "%b", '
 LENGTH = len(SEAL % bytes(16))
 LONGEST_LINE = 10**6  # bytes of a line
 LARGEST_LEDGER = 2 * 10**9  # bytes that it takes, held and as a table; most, less
-LARGEST_FILE = 10**9  # bytes of a file of a robot or motion
 INT64 = 2**63  # beyond the numbers that a table takes
 
 
