@@ -5,10 +5,11 @@ Several draws of an imperfect robot walk one after another, with a table of them
 
 import argparse
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, astuple, dataclass, fields, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from statistics import median
+from typing import NamedTuple
 
 from models import Robot
 from planner import PlannerError
@@ -163,8 +164,7 @@ def judged(
     return ExitCode.OK
 
 
-@dataclass(frozen=True, slots=True)
-class Try:
+class Try(NamedTuple):
     """One draw: how far its walk ended off [m], or why there is none."""
 
     draw: int
@@ -207,7 +207,7 @@ def tries_of(
         finally:
             folder.discard_if_empty()
     lines = [*describe(tries, scenario.path.length), "", f"{'folder':13}{folder.path}"]
-    cli.report(options, [asdict(one) for one in tries], *lines)
+    cli.report(options, [one._asdict() for one in tries], *lines)
     return judged_tries(tries, options.tolerance, f"see {folder.path}")
 
 
@@ -224,8 +224,7 @@ def walk_tries(
         progress("walking draws", done / len(draws))
         inner, at_draw = folder.inner(f"draw-{draw:03d}"), replace(scenario, draw=draw)
         tries.append(_try(at_draw, robot, inner, first=not done))
-        names = [item.name for item in fields(Try)]
-        folder.write_text(TABLE, csv_text([names, *map(astuple, tries)]))
+        folder.write_text(TABLE, csv_text([Try._fields, *tries]))
     return tries
 
 
