@@ -21,8 +21,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory, TemporaryFile
 from typing import IO
 
-import mujoco
-
+from models.description import silence_the_engine
 from planner.support import unfinished
 from sim.errors import RenderError, UsageError
 from sim.folder import blamed_on, whole
@@ -35,7 +34,6 @@ from sim.pictures.offscreen import LOOKS, OffscreenRenderer
 from sim.runs.run import read_run
 
 NAME = "video.mp4"
-ANIMATED = ".webp"  # of files that are small animated pictures instead
 WORKERS = 2  # processes at most; each takes 200 MB
 FEWEST_PICTURES = 90  # pictures that are worth a process
 SILENCE = 120.0  # [s] without a new picture
@@ -116,7 +114,7 @@ def film_folder(
             for i, frames in enumerate(_shares(pictures))
         ]
         draw(pieces, driver, report)
-        small = path.suffix == ANIMATED
+        small = path.suffix == ".webp"  # which is a small animated picture
         film = scratch / NAME if small else part
         file.join([piece.path for piece in pieces], film)
         if (found := file.count_pictures(film)) != pictures:
@@ -218,9 +216,7 @@ def is_held(film_clock: Clock, view: Camera, frame: int) -> bool:
 
 def _main() -> None:
     folder, look, start, stop, path, shot, begin, end = sys.argv[1:]
-    log = mujoco.MjLogConfig.get()
-    log.logto_file = False  # it would otherwise appear in the current folder
-    log.set()
+    silence_the_engine()  # a log would otherwise appear in the current folder
     frames, stretch = range(int(start), int(stop)), (float(begin), float(end))
     walk = read_run(Path(folder), inspected=True).in_world()
     film_clock = clock(walk.time, walk.scenario.playback, stretch)
