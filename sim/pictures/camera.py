@@ -20,10 +20,8 @@ FIELD_OF_VIEW = 32.0  # vertical [degrees]; narrow, for calm perspective
 FREE = (356, 24, 1244, 580)  # left, top, right, bottom for what is seen [pixels]
 USED = ((FREE[2] - FREE[0]) / WIDTH, (FREE[3] - FREE[1]) / HEIGHT)  # of the picture
 MIDDLE = ((FREE[0] + FREE[2]) / WIDTH - 1, 1 - (FREE[1] + FREE[3]) / HEIGHT)  # of it
-KNEES = 0.35  # above the feet, in units of the robot's reach
 HALF_HEIGHT = float(np.tan(np.radians(FIELD_OF_VIEW) / 2))  # of the picture, at 1 m
 HALF_WIDTH = HALF_HEIGHT * WIDTH / HEIGHT
-FIT_ROUNDS = 8  # of moving the target; settles to a pixel
 NEAR_FLOOR = 3.5  # in units of the distance; beyond, a grid would be a blur
 ENOUGH = 2000  # moments at which it is asked what has to be seen
 ELEVATION = -50.0  # [degrees]
@@ -125,7 +123,7 @@ def _seen(walk: Run, clock: Clock) -> Array:
     feet = np.concatenate(walk.contact_point[shown])
     whole = first == 0 and last == len(walk.contact) - 1
     path = walk.nominal if whole else walk.achieved[shown]
-    heights = ((feet, 0.0), (feet, KNEES * walk.reach), (path[:, :2], 0.0))
+    heights = ((feet, 0.0), (feet, 0.35 * walk.reach), (path[:, :2], 0.0))  # knees
     return np.concatenate([np.insert(points, 2, z, axis=1) for points, z in heights])
 
 
@@ -140,7 +138,7 @@ def _fit(points: Array, azimuth: float, elevation: float) -> tuple[Array, float]
     """Target and distance with which the points just fill the picture's margins."""
     forward, right, up = _axes(azimuth, elevation)
     target = points.mean(axis=0)
-    for _ in range(FIT_ROUNDS):
+    for _ in range(8):  # of moving the target; settles to a pixel
         seen = points - target
         across = np.abs(seen @ right) / (USED[0] * HALF_WIDTH)
         upright = np.abs(seen @ up) / (USED[1] * HALF_HEIGHT)

@@ -30,7 +30,6 @@ VEIL = (0.6, 0.92), (0.92, 0.45)  # share of the width, share of paper over a pi
 HEADLINE, STEP, MARGIN = 48, 38, 150  # of cards: type, lines, left edge [pixels]
 LETTERS = 44  # of a line of a card, which ends beside the robot
 CARDS: Mapping[str, list[str]] = FILM["cards"]
-VERBS: Mapping[str, list[str]] = FILM["verbs"]
 
 
 class Captions:
@@ -137,7 +136,7 @@ def describe(flow: WalkedPhase, groups: Iterable[str], noun: str) -> str:
     doing: dict[str, list[str]] = {}
     for group in groups:
         rests = group not in flow.group or flow.kind == "hold"
-        verbs = VERBS["hold" if rests else flow.kind]
+        verbs = FILM["verbs"]["hold" if rests else flow.kind]
         doing.setdefault(verbs[group in flow.stratum], []).append(group)
     clauses = []
     for verb, (*others, last) in doing.items():

@@ -9,7 +9,6 @@ from planner import Array
 from sim.errors import UsageError
 
 FRAME_RATE = 25  # [1/s]
-MOST_PICTURES = 100_000  # an hour
 FILM_LENGTH = 40.0  # [s] of the walk at most, where no playback speed is set
 ROUNDED = np.outer(10.0 ** np.arange(1, 9), (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8))
 SPEEDS = (1, 2, 3, 4, 5, 6, 8, *ROUNDED.ravel().tolist())
@@ -50,7 +49,7 @@ def clock(
     duration = float(time[last] - time[first])
     if playback is None:
         playback = next(p for p in SPEEDS if duration / p <= FILM_LENGTH - TAIL)
-    if (moving := int(duration / playback * FRAME_RATE)) > MOST_PICTURES:
+    if (moving := int(duration / playback * FRAME_RATE)) > 100_000:  # an hour
         where = f"playback = {playback:g} of the run"
         raise UsageError(f"a film of {moving} pictures", where, "set playback higher")
     moments = time[first] + np.arange(moving) * playback / FRAME_RATE

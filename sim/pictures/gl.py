@@ -20,7 +20,6 @@ TRIAL_LIMIT = 60.0  # [s]; a trial takes 0.5 s
 INSTALL = "on Debian: apt-get install libegl1 libopengl0 libgl1-mesa-dri"
 SPEED = "speed"  # what a child process is asked to measure
 PICTURES = 10  # that it draws
-SPEED_LIMIT = 120.0  # [s]
 
 
 def choose() -> None:
@@ -55,7 +54,7 @@ def environment(backend: str) -> dict[str, str]:
 def pictures_per_second(driver: str) -> float:
     """Pictures of the default robot, drafts without captions, drawn in a second."""
     try:
-        done = child(driver, SPEED_LIMIT, SPEED)
+        done = child(driver, 120.0, SPEED)  # [s]
         done.check_returncode()
     except (subprocess.CalledProcessError, subprocess.TimeoutExpired) as error:
         where = f"{driver}, {error}"

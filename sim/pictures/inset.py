@@ -22,7 +22,6 @@ from sim.scenarios.predictions import PREDICTIONS
 TOP, BOX, APART = 60, 128, 16  # of the inset: words above a plot, its side, the next
 PLOTS = 2
 DOT, CROSS = 4, 5  # of the present error, and of no error [pixels]
-TRAIL_STEP = 1.0  # between points of a trail [pixels]
 RIM, TIP = 62, 13  # from the middle to what points ahead, and its length [pixels]
 FILL = 0.8  # of half the plot, at most, for the largest error
 NOTHING = 1e-9  # [m], below which an error is rounding
@@ -40,8 +39,8 @@ class Trail:
 
     @cached_property
     def rows(self) -> Array:
-        """Rows at which the trail has come another step farther."""
-        return spaced_rows(self.error, TRAIL_STEP / self.scale)
+        """Rows at which the trail has come another pixel farther."""
+        return spaced_rows(self.error, 1.0 / self.scale)
 
     @cached_property
     def points(self) -> list[tuple[float, float]]:

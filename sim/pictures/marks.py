@@ -24,21 +24,17 @@ from sim.runs.run import Run
 
 # In units of the robot's reach.
 CELLS = 0.5  # of the grid, about
-CONTOUR_WIDTH = 0.005
 SPACING, JUMP = 0.006, 0.03  # between points of a path; a longer step is no path
 DASH = 0.08
 TRAIL = 0.012  # width of the slip of a foot
 FINENESS = 0.002  # by which outlines are simplified
 
 ROUND = (1.0, 2.0, 5.0, 10.0)
-LINE_WIDTH = 1.8  # of the grid [pixels]
-MOST_LINES = 500  # of the grid, or a few times as many
 PIECES = 12  # of a line of the grid, each as wide as makes it even in the picture
 FRAMES = 9  # at which it is asked how far away a line is
 LEVELS = 5  # equal parts of the height that contours divide
 BEND = 0.1  # [rad] that a path turns between its points, or
 BEAT = 6  # pictures; what comes first
-FOOTPRINT_CORNERS = 8  # of a disc that is a few pixels wide
 FADING = ((0.25, None), (0.45, 8 * FRAME_RATE), (0.75, 3 * FRAME_RATE))
 """Strength of a footprint's colour, and in how many pictures it is so strong."""
 
@@ -77,7 +73,7 @@ def cell(reach: float) -> float:
 def grid(view: Camera, reach: float) -> Mark:
     """Lines along x and y on all of the floor that a film will show."""
     low, high = view.floor_seen()
-    side = cell(max(reach, float((high - low).max()) / MOST_LINES))
+    side = cell(max(reach, float((high - low).max()) / 500))  # lines, or some more
     first, last = np.floor(low / side), np.ceil(high / side)
     eyes = view.eyes()[:: max(1, len(view.azimuth) // FRAMES)]
     lines = [
@@ -97,7 +93,7 @@ def _line(
     points[:, axis], points[:, 1 - axis] = at, along
     away = np.linalg.norm(points[:, None] - eyes, axis=-1).min(axis=1)
     half = np.zeros((PIECES + 1, 2))
-    half[:, axis] = LINE_WIDTH * pixel * away / 2 * (1 if axis else -1)
+    half[:, axis] = 1.8 * pixel * away / 2 * (1 if axis else -1)  # 1.8 pixels
     left, right = points[:, :2] + half, points[:, :2] - half
     corners = np.stack([left[:-1], right[:-1], right[1:], left[1:]], axis=1)
     return polygons(corners, [0] * PIECES)
@@ -114,7 +110,7 @@ def contours(walk: Run) -> Drawing:
     model = walk.model
     fields = np.flatnonzero(model.geom_type == mujoco.mjtGeom.mjGEOM_HFIELD)
     lines = [line for geom in fields for line in _contours_of(model, int(geom))]
-    width = CONTOUR_WIDTH * walk.reach
+    width = 0.005 * walk.reach
     return join(ribbon(line, np.zeros(len(line), int), width) for line in lines)
 
 
@@ -178,7 +174,7 @@ def _stands(walk: Run, clock: Clock, foot: int) -> Iterator[Drawing]:
     edges = np.diff(walk.contact[:, foot], prepend=False, append=False)
     starts, stops = np.flatnonzero(edges).reshape(-1, 2).T
     frames, radius = clock.frame_of(starts), palette.FOOTPRINT * walk.reach
-    yield discs(place[starts], frames, radius, FOOTPRINT_CORNERS)
+    yield discs(place[starts], frames, radius, corners=8)  # few pixels wide
     for start, stop in zip(starts, stops, strict=True):
         rows = start + spaced_rows(place[start:stop], TRAIL * walk.reach)
         yield ribbon(place[rows], clock.frame_of(rows), TRAIL * walk.reach)

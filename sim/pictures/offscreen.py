@@ -27,22 +27,17 @@ from sim.world.parts import forget_defaults
 from sim.world.sensors import floor_in
 
 SUN = np.array([-0.25, 0.35, -1.0])  # direction of the direct light
-SUN_DISTANCE = 5.0  # [reach of the robot]
 PALER = 0.5  # of the torso, through which the floor and lines on it are seen
 LAYER = 0.0005  # thickness of a mark [reach of the robot]
 SHEETS = 64  # of a layer; shapes that overlap lie on different ones, or are lit twice
-SHADOW_MAP = 2048  # [texels]
-EXTENT = 2.5  # [reach of the robot], over which the shadows' texels are spread
 DUSK = 4.0  # below the horizon [degrees], where the floor may end
 NEAREST = 0.2  # [extent]; nothing is closer to the camera, and depth is the finer
 PREFIX = "film: "  # of names, against those of the robot
 FLOOR = f"{PREFIX}floor"
 RIM, AHEAD = 2, 0.14  # width of lines [pixels]; of the word in front [body's width]
-GRAIN = 0.006  # between points of the path below the body [reach of the robot]
 RADIUS = 9  # of the disc under the number of a leg [pixels]
 OVERSAMPLING = 4  # of that disc when drawn, for smooth edges
 Pixels = Callable[[Array], Array]  # where points are in a picture
-SPARE_GEOMS = 1000  # beyond those of the model, for what MuJoCo adds
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +75,7 @@ class OffscreenRenderer:
         self._options = mujoco.MjvOption()
         self._context = mujoco.GLContext(WIDTH, HEIGHT)
         self._context.make_current()
-        self._scene = mujoco.MjvScene(model, model.ngeom + SPARE_GEOMS)
+        self._scene = mujoco.MjvScene(model, model.ngeom + 1000)  # MuJoCo adds some
         flags, flag = self._scene.flags, mujoco.mjtRndFlag
         flags[flag.mjRND_SHADOW], flags[flag.mjRND_REFLECTION] = look.shadows, False
         # Half the time of a picture goes into the sky behind an endless floor.
@@ -102,7 +97,7 @@ class OffscreenRenderer:
         self._view.lookat[:] = target = self._camera.target[frame]
         self._view.azimuth = self._camera.azimuth[frame]
         # Shadows fall only around a light's position, even if its rays are parallel.
-        model.light_pos[0] = target - SUN_DISTANCE * self._walk.reach * SUN
+        model.light_pos[0] = target - 5.0 * self._walk.reach * SUN
         data.qpos[:] = self._walk.qpos[row]
         mujoco.mj_kinematics(model, data)
         mujoco.mj_camlight(model, data)
@@ -145,7 +140,7 @@ class BodyLines:
         middle, ahead = (low[2] + high[2]) / 2, AHEAD * (high - low)[:2].min()
         front = ((0, low[1]), (0, high[1]), (ahead, (low[1] + high[1]) / 2))
         self._front = np.array([(high[0] + x, y, middle) for x, y in front])
-        self._rows = spaced_rows(walk.achieved[:, :2], GRAIN * walk.reach)
+        self._rows = spaced_rows(walk.achieved[:, :2], 0.006 * walk.reach)
         paths = walk.achieved[self._rows, :2], walk.nominal[:, :2], walk.center_of_mass
         self._ways = [np.insert(path, 2, height, axis=1) for path in paths]
 
@@ -226,10 +221,10 @@ def build(walk: Run, marks: Sequence[Mark], look: Look) -> mujoco.MjModel:
     visual = spec.visual
     visual.global_.offwidth, visual.global_.offheight = WIDTH, HEIGHT
     visual.global_.fovy = FIELD_OF_VIEW
-    visual.quality.offsamples, visual.quality.shadowsize = look.samples, SHADOW_MAP
+    visual.quality.offsamples, visual.quality.shadowsize = look.samples, 2048
     visual.quality.numslices, visual.quality.numstacks = look.slices, look.slices // 2
     visual.map.znear = NEAREST
-    spec.stat.extent = EXTENT * walk.reach
+    spec.stat.extent = 2.5 * walk.reach  # over which the shadows' texels are spread
     model = spec.compile()
     plate = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_GEOM, NOSE)
     torso = fixed_to(model, root_body(model, walk.model_file))
