@@ -28,7 +28,6 @@ LEAST_SWING = 0.1  # [rad] either way, of a group
 LEAST_LOAD = 0.06  # share of the weight on each foot of a group that stands
 MOST_WAYS = 12  # pairs of groups that are tried
 MOST_PAIRS = 200  # pairs of pivots of each
-NEIGHBOUR_DISTANCE = 0.6  # of that between feet, which turned legs keep
 MOST_PARTS = 4  # into which the gain of the leg that swings farthest is divided
 MOST_CHANGE = 0.1  # of a gain, for which a pivot is moved
 NEWTON_STEPS, IN_STEP = 8, 1e-9  # and how near to what is wanted gains then are
@@ -86,7 +85,7 @@ def posed(
 
     feet = np.array([limb.toe[:2] for limb in limbs])
     hips = np.array([limb.hip for limb in limbs])
-    least = NEIGHBOUR_DISTANCE * pdist(feet).min()
+    least = 0.6 * pdist(feet).min()  # that turned legs keep
     for groups in ways:
         sides = [
             _Legs(g, hips[[*g]], (feet - hips)[[*g]], room[[*g]], weight)

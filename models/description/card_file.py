@@ -7,7 +7,7 @@ from pathlib import Path
 from models.description import card
 from models.description.servos import BOARD_CLOCK, NUMBERS, JointServo
 from models.description.table import Table, parse_toml
-from models.errors import ModelError
+from models.errors import ModelError, message
 from planner.support import read_text
 
 KEYS = {
@@ -117,6 +117,8 @@ def _servo(servo: Table) -> card.Servo | None:
     kind = table.text("kind", "")
     data = {key: table.number(key) for key in NUMBERS if kind and key in table}
     made = card.made_of(kind, data) if kind else None
+    if double := [key for key in ("stiffness", "damping") if kind and key in table]:
+        raise ValueError(message("of_make", key=double[0], kind=kind))
     return table.make(
         card.Servo,
         stiffness=table.number("stiffness", made.stiffness if made else None),

@@ -22,7 +22,6 @@ from models.description.table import is_plain
 from models.errors import ModelError, message, refusals
 from planner import Array
 
-UNDECODED = re.compile("[\udc80-\udcff]")  # bytes that are not UTF-8
 COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 TAG = re.compile(r"<([A-Za-z_][\w.-]*)((?:[^<>\"']|\"[^\"]*\"|'[^']*')*)>")
 ATTRIBUTE = re.compile(r"([\w.:-]+)\s*=\s*(\"[^\"]*\"|'[^']*')")
@@ -47,7 +46,7 @@ def check_text(path: Path) -> None:
     """Refuse a number outside comments that is not finite, and text not in UTF-8."""
     text = path.read_bytes().decode(errors="surrogateescape")
     text = COMMENT.sub(lambda comment: "\n" * comment[0].count("\n"), text)
-    if odd := UNDECODED.search(text):
+    if odd := re.search("[\udc80-\udcff]", text):  # bytes that are not UTF-8
         byte, line = ord(odd[0]) - 0xDC00, text.count("\n", 0, odd.start()) + 1
         raise refusal("encoding", path, byte=byte, line=line)
     for tag in TAG.finditer(text):

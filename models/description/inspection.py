@@ -32,7 +32,6 @@ from models.description.compiled import (
 from models.errors import ModelError
 
 NAMED = re.compile(r"""\bfile\w*\s*=\s*["']([^"']{1,200})["']""")
-LONGEST_TEXT = 10**7  # bytes that are searched for names of files
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +63,7 @@ def _refuse_pipes(path: Path, seen: set[Path]) -> None:
     Names that are spelt otherwise are not found here, and waited for until time is up.
     """
     seen.add(path)
-    if not path.exists() or path.stat().st_size > LONGEST_TEXT:
+    if not path.exists() or path.stat().st_size > 10**7:  # bytes to search
         return
     for name in NAMED.findall(path.read_text("utf-8", "replace")):
         other = path.parent / name

@@ -14,7 +14,6 @@ from typing import Any, TypeVar
 
 from planner.support import did_you_mean
 
-LARGEST_INTEGER = 2**63  # as the TOML specification has it
 DEEPEST_NESTING = 32  # tables and lists inside each other
 _PART = r"""(?a:[\w-]+|"(?:[^"\\\n]|\\.)*"|'[^'\n]*')[ \t]*"""
 _DEEP_KEY = re.compile(  # which tomllib reads in a time that grows with its square
@@ -42,7 +41,7 @@ def _check_toml(values: Iterable[object], depth: int = 0) -> None:
     if depth > DEEPEST_NESTING:
         raise ValueError(f"nested deeper than {DEEPEST_NESTING}")
     for value in values:
-        if isinstance(value, int) and abs(value) >= LARGEST_INTEGER:
+        if isinstance(value, int) and abs(value) >= 2**63:  # as TOML has it
             raise ValueError("a whole number of more than 64 bits")
         if isinstance(value, dict | list):
             _check_toml(value.values() if isinstance(value, dict) else value, depth + 1)

@@ -16,7 +16,6 @@ from planner.support import require_known, shipped_tables
 
 Legs = Mapping[int, Leg]
 SIX, EIGHT = (1, 4, 5), (1, 4, 6, 7)  # legs of the first group
-MOST_TIMES = 1000.0  # a number of a shape may be its own, either way
 # numbers that every shape has
 PLAIN = tuple(item.name for item in fields(Morphology) if item.type is float)
 RADIAL_BEARINGS = {1: 30, 2: -30, 3: 90, 4: -90, 5: 150, 6: -150}  # [degrees]
@@ -101,7 +100,7 @@ def reshaped(robot: str, geometry: Mapping[str, float]) -> Morphology:
     known = geometry_of(robot)
     for name, value in geometry.items():
         require_known(f"geometry.{name}", name, known)
-        if not abs(value) <= (most := MOST_TIMES * abs(known[name])):
+        if not abs(value) <= (most := 1000.0 * abs(known[name])):
             raise ValueError(f"geometry.{name} = {value} is beyond {most:g}")
         if name in PLAIN and value <= 0:
             raise ValueError(f"geometry.{name} = {value} is not above 0")

@@ -26,7 +26,6 @@ from planner.systems.fields import VectorField
 from planner.systems.rounding import WeighedValues
 from planner.systems.strata import StratifiedSystem
 
-LEAST_ANGLE = 0.05  # sine of the angle between a new element and the span
 ALIKE = 9  # digits to which two elements count as equally far from dependence
 
 
@@ -189,7 +188,7 @@ def _enlarged(
         useful = [
             (c.degree, c.switches, -round(float(gain.mean()), ALIKE), i)
             for i, (c, gain) in enumerate(zip(candidates, gains, strict=True))
-            if gain.max(initial=0) > LEAST_ANGLE
+            if gain.max(initial=0) > 0.05  # sine of its angle with the span
         ]
         if not useful:
             return chosen

@@ -27,7 +27,6 @@ from planner.systems.flows import Flow
 from planner.systems.shape import ShapeCoordinates
 from planner.systems.strata import StratifiedSystem
 
-SIDE_NODES = 24  # along a side; exact to rounding for sines over several radians
 Rates = tuple[sp.Expr, sp.Expr]
 
 
@@ -56,7 +55,7 @@ class StratifiedPanels:
         The loop starts at the corner `low` along the side of the first stroke; the
         lengths `by` of both sides may be negative.
         """
-        nodes, weights = leggauss(SIDE_NODES)
+        nodes, weights = leggauss(24)  # exact to rounding for sines over some radians
         first, second = (
             start + side * (nodes + 1) / 2 for start, side in zip(low, by, strict=True)
         )

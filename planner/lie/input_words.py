@@ -23,7 +23,6 @@ from planner.numerics.arrays import Array
 
 Order = Literal["backward", "forward"]
 Spelling = tuple[tuple[int, ...], list[float]]  # generators, and their durations
-Letters = tuple[tuple[Any, int], ...]  # generators and the signs of their durations
 T = TypeVar("T", int, Array)
 
 ZERO_DURATION = 1e-12  # in degree k such an error would move by its k-th root
@@ -138,8 +137,8 @@ def logarithm_of_word(algebra: LieAlgebra, element: Element) -> Array:
 
 
 @cache
-def letters_of(element: Element) -> Letters:
-    """The word of an element: A C A^-1 C^-1 for [A, C], eq. (20)."""
+def letters_of(element: Element) -> tuple[tuple[Any, int], ...]:
+    """The word of an element and its signs: A C A^-1 C^-1 for [A, C], eq. (20)."""
     if not isinstance(element, Bracket):
         return ((element, 1),)
     left, right = letters_of(element.left), letters_of(element.right)

@@ -17,7 +17,6 @@ from planner.planning.paths import Path
 
 CHECKED_SHARE = 0.999  # of the tolerances, allowed where they are checked
 STAGE_STEPS = 3  # of Runge and Kutta's method; the path is compared after each
-SPLINE_KNOTS = 200  # of the spline that stands for a path that is not straight
 STRAIGHT = 1e-9  # deviation from a straight line, relative to the size of the path
 TINY = 1e-12  # added to denominators that may be zero
 
@@ -260,7 +259,7 @@ def curve_function(
     path: Path, moved: list[int]
 ) -> tuple[Callable[[Expression], Expression], bool]:
     """Some coordinates of a path as functions of s: linear, or else splines; which."""
-    ca, grid = solver(), np.linspace(0.0, 1.0, SPLINE_KNOTS)
+    ca, grid = solver(), np.linspace(0.0, 1.0, 200)  # knots of a spline
     values = path.at(grid)[:, moved]
     begin, way = values[0], values[-1] - values[0]
     off = values - begin - grid[:, None] * way

@@ -19,7 +19,6 @@ from planner.optimisation.windows import KEPT_WIDTH, Window, WindowSearch
 from planner.support.stopping import unlimited
 
 FEWEST, MANY = 3, 32  # stages that the search begins with, at least and at most
-STAGES_PER_UNIT = 10.0  # stages that it begins with, per unit of a stroke's length
 FIRST_WINDOW = 15.0  # length of the first window, in units of a stroke's length
 LAST_WINDOW = 0.05  # shortest window that is tried, likewise
 LARGEST_CUT = 16.0  # factor by which a window is shortened at once
@@ -117,4 +116,4 @@ class Search(WindowSearch):
 
 def _first_count(length: float) -> int:
     """Number of stages to begin with, for a window in units of a stroke's length."""
-    return int(np.clip(STAGES_PER_UNIT * length, FEWEST, MANY))
+    return int(np.clip(10.0 * length, FEWEST, MANY))

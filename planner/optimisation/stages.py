@@ -23,8 +23,6 @@ from planner.systems.strata import StratifiedSystem
 Coarse = Callable[[float, float, int], Sequence[Flow]]
 """Flows of a stratified plan from one place on the path to another, in segments."""
 ZERO_FLOW = 1e-5  # duration; an interior-point method leaves this much of no flow
-RANDOM_GUESSES = 3  # alternating strokes of random size and phase
-COARSE_SHARES = (1.0, 0.5)  # shares of the stages that coarse plans take
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,14 +120,14 @@ def guesses(
     Coarse stratified plans between two places on the path, from 0 to 1, come first,
     then strokes that alternate at random. `stages` is the cycle from the first stage.
     """
-    for share in COARSE_SHARES if coarse else ():
+    for share in (1.0, 0.5) if coarse else ():  # of the stages
         segments = max(1, int(share * (n - 1) / (2 * len(stages))))
         with suppress(PlannerError):
             flows = coarse(*places, segments) if coarse else ()
             if (found := amounts_of(stages, flows, n)) is not None:
                 yield found
     rng = np.random.default_rng(0)
-    for _ in range(RANDOM_GUESSES):  # as many backward as forward in turn, with noise
+    for _ in range(3):  # as many backward as forward in turn, with noise
         size, half = rng.uniform(0.2, 0.6), int(rng.choice([2, 2, 4, 4, 6]))
         pattern = np.resize(np.repeat([1.0, -1.0], half), n + half)
         turned = np.roll(pattern, int(rng.integers(4 * half)))[:n]

@@ -38,7 +38,6 @@ WARMTH = 1.004  # of the least score, that the plan may have from which a hop st
 FINALISTS = 4  # plans of different scores that are solved again at the end
 DISTINCT = 1 + 1e-5  # ratio of their scores
 SEARCHED = 0.3  # share of a window's work that precedes the hops, as reported
-WORKED = 0.97  # share of a window's work that remains after each solution, as reported
 
 Report = Callable[[float], None]
 Programs = Callable[[int, int], Program]
@@ -222,7 +221,7 @@ class WindowSearch:
                 self._tried.add(trial)
                 here = self._solved(window, trial, strokes)
                 self._keep(here)
-                self._left *= WORKED  # the amount of work is not known beforehand
+                self._left *= 0.97  # the amount of work is not known beforehand
                 before = SEARCHED if self.hops and not self._relaxes else 1.0
                 self._report(window, before * (1.0 - self._left))
                 least = min(least, here.width if here else np.inf)

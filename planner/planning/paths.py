@@ -15,7 +15,6 @@ from planner.numerics.arrays import Array, reals
 
 COLUMNS = ("x", "y", "yaw")  # [m], [m], [rad]
 HALVINGS = 40  # of a step in which a curve may jump
-ARC_PRECISION = 1e-12  # of the arc length, relative
 MOST_PIECES = 5000  # of a curve whose length is found, or four times its own
 ROMBERG = np.array([-1, 84, -1344, 4096]) / 2835  # for lengths of 1, 2, 4 and 8 chords
 
@@ -244,7 +243,7 @@ def _arc_length(curve: Callable[[Array], Array], cuts: Array) -> float:
 
     starts, widths, known = cuts[:-1], np.diff(cuts), 0.0
     whole = lengths(starts, widths)
-    precision = ARC_PRECISION * whole[np.isfinite(whole)].sum()
+    precision = 1e-12 * whole[np.isfinite(whole)].sum()  # of the length
     most = max(MOST_PIECES, 4 * len(cuts))
     for _ in range(HALVINGS):
         starts = np.stack([starts, starts + widths / 2], axis=1).ravel()

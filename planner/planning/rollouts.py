@@ -34,9 +34,7 @@ from planner.systems.flows import Flow, flow_map, require_flows
 from planner.systems.rounding import vanishing
 from planner.systems.strata import StratifiedSystem
 
-WORTH_BATCHING = 8  # flows that are worth being integrated at once
 BLOCK = 2000  # flows at once; each takes some kilobytes
-NODES = 10, STEP_NODES  # of a flow; few suffice in a plan of many segments
 
 
 def rollout(plan: Plan, samples: int = 1) -> Array:
@@ -80,7 +78,7 @@ def play(
     shares = np.arange(1, samples) / samples
     parts = [f._replace(duration=f.duration / samples) for f in flows]
     parts = [part for part in parts for _ in range(samples)]
-    worth = len(parts) >= WORTH_BATCHING
+    worth = len(parts) >= 8  # flows, to be integrated at once
     if worth and (together := batched(system, parts, states[0])) is not None:
         return np.concatenate([states, together])
     for flow in flows:
@@ -139,7 +137,7 @@ def batched(
         return None
     found, here = [np.empty((0, start.size))], start
     for begin in range(0, len(flows), BLOCK):
-        for nodes in NODES:
+        for nodes in (10, STEP_NODES):  # few suffice in a plan of many segments
             batch = _Batch(system, flows[begin : begin + BLOCK], nodes)
             with np.errstate(all="ignore"):
                 suffice = all(batch.advance(level, here) for level in order)

@@ -16,8 +16,6 @@ from dataclasses import dataclass
 
 from planner.errors import BudgetError
 
-REPORT_PERIOD = 0.1  # [s] between two reports at least
-
 
 @dataclass(eq=False)
 class _Budget:
@@ -83,7 +81,7 @@ def tick(best: str = "") -> None:
     if spent > budget.seconds:
         raise BudgetError(budget.seconds, budget.best)
     if spent >= budget.next_report:
-        budget.next_report = spent + REPORT_PERIOD
+        budget.next_report = spent + 0.1  # [s] at least
         budget.report(spent / budget.seconds)
 
 

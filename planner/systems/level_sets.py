@@ -12,7 +12,6 @@ from planner.numerics.subspaces import rank
 from planner.systems import fields
 from planner.systems.rounding import TRUSTED, WeighedValues
 
-NEWTON_ITERATIONS = 30  # of Newton's method; far fewer suffice where it converges
 FADED = 1e-6  # of a function's slope, that is none where the function vanishes
 TOUCHED = 1e-12  # value that only functions without a slope are left with
 
@@ -72,7 +71,7 @@ class LevelSet:
         """
         x = fields.sample_configurations(len(self.state))
         steepest = np.zeros(len(self.functions))
-        for _ in range(NEWTON_ITERATIONS):
+        for _ in range(30):  # far fewer suffice where Newton's method converges
             residual, slopes = self._linear(x)
             steepest = np.maximum(steepest, _steepness(slopes))
             sound = np.isfinite(residual).all(axis=1) & np.isfinite(slopes).all((1, 2))

@@ -39,7 +39,6 @@ GENERATORS, ALGEBRA_DEGREE = 4, 5  # of the Lie algebra, 294 elements
 SHORT, LONG, HUGE = 60, 1_000, 10_000  # segments
 STRIDE = 0.004  # of each segment in x and in y [m]
 STEPS = 20_000  # of physics in each measurement: a third of a second
-FIRST_PLAN_LIMIT = 600.0  # [s]
 Wanted = tuple[dict[str, Any], float]  # settings of a walk, and most seconds
 WALKS: Mapping[str, Wanted] = shipped_tables("sim.bench", "optimised.toml")
 
@@ -166,7 +165,7 @@ def optimised() -> Iterator[Row]:
 
     setup = prepare(load_scenario("line", {"optimise": "time"}))
     began = time.process_time()
-    with suppress(_FoundError), limited(FIRST_PLAN_LIMIT):
+    with suppress(_FoundError), limited(600.0):  # [s]
         ScenarioProblem(setup, stop_if_found).solve()
     took = time.process_time() - began
     yield Row("first optimised plan of line, CPU", took, "s", "< 2")

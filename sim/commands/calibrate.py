@@ -158,6 +158,10 @@ def _calibrated(
         for joint, servo in _found(robot, kind, known, divider, ask):
             text = read_text(file)  # in which an owner may have written meanwhile
             there = description.parse_card(text, str(file))
+            others = {one.channel: name for name, one in there.mounted.items()}
+            if servo.channel in others:  # since it was asked for
+                what = f"channel {servo.channel} is that of {others[servo.channel]!r}"
+                raise UsageError(what, str(file), f"go on: {again()}")
             limits = there.joint_servos.get(joint, JointServo()).limits
             servos = {**there.joint_servos, joint: replace(servo, limits=limits)}
             if "clock" in description.parse_toml(text).get("board", {}):

@@ -48,6 +48,8 @@ def scenario_of(options: argparse.Namespace) -> "Scenario":
     scenario = load_scenario(source, overrides)
     *place, yaw = scenario.path.goal
     tell_radians("yaw", yaw)
+    for turned in (getattr(obstacle, "yaw", 0.0) for obstacle in scenario.obstacles):
+        tell_radians("yaw of an obstacle", turned)
     if (far := hypot(*place)) > FAR:
         notice(f"x and y are in metres: the goal is {far:g} m away")
     return scenario
@@ -183,10 +185,8 @@ def robot_of(
     require_robot(name)
     robot = load(name, allow_external=options.allow_external, geometry=geometry)
     if robot.borrowed:
-        notice(
-            f"{robot.path} has no card; that of the shipped robot {robot.borrowed!r}, "
-            "whose model name it carries, is used"
-        )
+        own = f"{robot.borrowed!r}, whose model name it carries"
+        notice(f"{robot.path} has no card; that of the shipped robot {own}, is used")
     if robot.opened.external:
         taken = ", ".join(map(str, robot.opened.external))
         notice(f"taken from outside the folder of {robot.path}: {taken}")

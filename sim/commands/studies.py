@@ -14,7 +14,7 @@ import numpy as np
 
 from sim.commands import options as cli
 from sim.endings import again, command, keeping
-from sim.errors import ExitCode, UsageError
+from sim.errors import ExitCode, UsageError, message
 from sim.folder import blamed_on, ensure_folder, new_file, whole
 from sim.progress import bar, say
 from sim.scenarios.predictions import prediction_key
@@ -48,13 +48,13 @@ def sweep(options: argparse.Namespace) -> ExitCode:
     workers = workers or len(os.sched_getaffinity(0))
     with cli.working(options, "checking points"):
         points = sweeping.points_of(asked, shard)
+    paths: list[Any] = [table.get("path", {}) for table in points.tables.values()]
+    for yaw in {path["goal"][2] for path in paths if "goal" in path}:
+        cli.tell_radians("yaw", yaw)
     robots = {str(table["robot"]) for table in points.tables.values()}
     for path in map(Path, sorted(robots)):
         if path.is_file() and not path.with_suffix(".toml").exists():
-            cli.notice(
-                f"{path} has no card beside it; its own, or that of the shipped "
-                "robot whose model name it carries, is used"
-            )
+            cli.notice(message("no_card", path=path))
     folder = claim(Path(options.out), shard, options.resume)
     far, first = "what is done is", None
 

@@ -20,7 +20,6 @@ from sim.motion.schedule import Schedule
 from sim.preparation.setup import Setup
 
 SMOOTH = 200.0  # commands a second, from which on they need not be told apart
-FOREVER = 1e9  # [s]
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +76,7 @@ def course_along(
     rows, ends = ctrl[:, phases.mechanics.anatomy.actuator], spans[:, 1] * dt
     held = bool(setup.servo.resolution or 0 < rate < SMOOTH)
     edges = np.union1d(ends, changes(rows, dt)) if held else ends
-    commands = Commands(rows, dt, np.append(edges, FOREVER), held)
+    commands = Commands(rows, dt, np.append(edges, 1e9), held)  # for ever
     memory = REMEMBERED * max(1.0, setup.limits.lift_time / SOON) ** 2.5
     return Course(commands, spans, heading, restarts, memory)
 

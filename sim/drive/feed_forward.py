@@ -18,7 +18,6 @@ from sim.world.model import suitable_integrator
 
 GIVES = 1 / 800  # [rad]; of a joint under the whole weight at the end of a leg
 SMOOTHED = 0.05  # [s]; over which torques are averaged, as servos cannot follow faster
-KNOT_SPACING = 0.005  # [s]; between knots
 
 
 @dataclass(frozen=True)
@@ -42,7 +41,7 @@ def smoothed(values: Array, timestep: float) -> FeedForward:
     from scipy.ndimage import uniform_filter1d  # slow to import, and seldom needed
 
     window = 2 * round(SMOOTHED / timestep / 2) + 1  # odd, so that nothing is shifted
-    spacing = max(round(KNOT_SPACING / timestep), 1)
+    spacing = max(round(0.005 / timestep), 1)  # [s] between knots
     smooth = uniform_filter1d(values, window, axis=0, mode="nearest")
     return FeedForward(smooth[::spacing].copy(), spacing)
 

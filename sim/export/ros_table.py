@@ -16,7 +16,6 @@ from models.description import Table
 from planner.support import read_file
 from sim.errors import UsageError, telling
 
-YAML_BYTES = 10**5  # bytes, of which the reader takes a second
 DECIMAL = re.compile(r"[-+]?(?!0\d)(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 ROS = "name", "id", "ticks", "center", "max_radians", "sign", "offset"  # of a servo
 REMEDY = "give every servo name, id, ticks, center, max_radians, sign, offset"
@@ -60,7 +59,7 @@ RosLoader.add_constructor("!degrees", lambda *given: radians(_number(*given)))
 def read_ros_table(path: Path) -> dict[str, JointServo]:
     """Read the servos of a robot, by the names of their joints."""
     with telling("cannot be read", path, "give a YAML file", UsageError):
-        text = read_file(path, YAML_BYTES)
+        text = read_file(path, 10**5)  # bytes, of which the reader takes a second
     try:
         read = yaml.load(text, Loader=RosLoader)  # noqa: S506
     except (LookupError, AttributeError) as error:  # of a tag such as !!bool

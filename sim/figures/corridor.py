@@ -31,13 +31,11 @@ from sim.scenarios.file import load_scenario
 
 COARSE_SEGMENTS = 24  # the scenario's own; 22 would leave the joint range
 LEAST = 0.005 / PIVOT  # clearance to keep [l], as the scenario asks for
-POINTS_PER_FLOW = 6  # states looked at
 SWEEPS = 1600  # outlines that make up what is swept
 PANELS = (("a", "c"), ("b", "d"))  # a map, and the course of clearance below it
 SHARE = np.linspace(0, 1, 301)
 WALL, OUTLINE = palette.OBSTACLE.hex, palette.OUTLINE.hex
 MAGNIFIED = 0.025  # [m] to either side of where the path is magnified
-INSET = (0.78, 0.06, 0.16, 0.16)  # left, bottom, width and height, of the panel
 WALKS = {
     "corridor-coarse": Job("corridor", {"min_clearance": -1, "steer": "ideal"}, cost=8),
     "corridor": Job("corridor", cost=16),
@@ -140,7 +138,7 @@ def _magnified(axes: Axes, middle: Array, half: float) -> Axes:
     """What is around a point, magnified in the corner that the robot never reaches."""
     x, y = middle
     limits: Style = {"xlim": (x - half, x + half), "ylim": (y - half, y + half)}
-    part = axes.inset_axes(INSET, xticks=[], yticks=[], **limits)
+    part = axes.inset_axes((0.78, 0.06, 0.16, 0.16), xticks=[], yticks=[], **limits)
     part.grid(visible=False)
     part.spines[:].set(visible=True, color=NOMINAL)
     axes.indicate_inset_zoom(part, edgecolor=NOMINAL, alpha=1.0)
@@ -174,7 +172,7 @@ class Passage:
         bound = np.concatenate([least[:1], found.bound / PIVOT])
         return least, np.minimum(least, bound)
 
-    def through(self, cuts: Array, samples: int = POINTS_PER_FLOW) -> PaperWalk:
+    def through(self, cuts: Array, samples: int = 6) -> PaperWalk:
         """A walk along the path divided at the cuts, with states for each flow."""
         return walk(recut(self.path, cuts), len(cuts) - 1, samples=samples)
 

@@ -25,7 +25,6 @@ from sim.scenarios.file import load_scenario
 from sim.simulation import simulate
 from sim.walking.walks import Walker
 
-SAMPLE_EVERY = 50  # steps; bodies move a millimetre in between
 NOMINAL = 601  # points of the nominal path
 PREDICTED = ("ideal", "quasi_static")
 WITHOUT = ("identified", "compliant", "creep_floor")  # at length, and in no figure
@@ -70,7 +69,7 @@ _walked: MutableSequence[float]  # in a process of the pool
 
 def perform(job: Job, report: Callable[[float], object] = lambda part: None) -> Walked:
     """Make one walk; how much of it is walked is reported from time to time."""
-    settings = {"sample_every": SAMPLE_EVERY, **job.changes}
+    settings = {"sample_every": 50, **job.changes}  # bodies move a millimetre
     scenario = load_scenario(job.scenario, settings)
     if not job.flows:
 

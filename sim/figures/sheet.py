@@ -29,7 +29,6 @@ from sim.templates import render
 
 SHARED = {"biped": "strata", "quadruped": "strata"}  # modules, of two figures each
 KINDS = ("paper", "metres")
-OFTEN = 1.0  # [s] after which it is told how far the walks are
 Cell = str | int | float
 
 
@@ -203,5 +202,5 @@ def _sheets(
             made = {walk: walks[walk].result() for walk in waiting.pop(name)}
             yield name, "metres", drawn(name, "metres", made)
         left = [walks[walk] for own in waiting.values() for walk in own]
-        wait([w for w in left if not w.done()], OFTEN, FIRST_COMPLETED)
+        wait([w for w in left if not w.done()], 1.0, FIRST_COMPLETED)  # [s]
         report()

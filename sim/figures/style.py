@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
 
 MM = 1e3  # [mm/m]
-PAPER_WIDTH = 7.0  # [in], two columns of a page
 
 NOMINAL = palette.NOMINAL.colour.hex
 IDEAL = PREDICTED["ideal"].colour.hex
@@ -50,7 +49,7 @@ def sheet_of(
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(PAPER_WIDTH, height), layout="constrained")
+    figure = Figure(figsize=(7.0, height), layout="constrained")  # [in]
     FigureCanvasAgg(figure)
     return figure, figure.subplot_mosaic(mosaic, **(options or {}))
 

@@ -201,17 +201,17 @@ def _log(
 ) -> Log:
     _check_time(time := columns.pop(TIME))
     contacts = {leg: f"{CONTACT}{leg}" for leg in legs}
-    known = (*joints, *(MEASURED + j for j in joints), *chain(*BODY.values()))
-    require_joints([*columns], [*known, *contacts.values()])
+    turning = (*joints, *(MEASURED + joint for joint in joints), *ANGLES)
+    known = (*turning, *chain(*BODY.values()), *contacts.values())
+    require_joints([*columns], known)
     columns = {k: v for k, v in columns.items() if k in joints or np.isfinite(v).any()}
     commanded = tuple(name for name in columns if name in joints)
     if not commanded:
         raise ValueError(f"no column of a joint; give one of {', '.join(joints)}")
     for name, numbers in columns.items():
-        joint = name.removeprefix(MEASURED)
-        if not isinstance(angles, str) and joint in joints:
-            columns[name] = angles[joint](numbers)
-        elif angles == "degrees" and (joint in joints or name in ANGLES):
+        if not isinstance(angles, str) and (j := name.removeprefix(MEASURED)) in joints:
+            columns[name] = angles[j](numbers)
+        elif angles == "degrees" and name in turning:
             columns[name] = np.radians(numbers)
     start, done = time - time[0], [*_said_of_clock(time)]
     of = {c: c[:-6] for c in BODY["spread"]} | {MEASURED + j: j for j in joints}
@@ -220,7 +220,7 @@ def _log(
     asked = np.stack([_bridged(start, columns[j], j, done) for j in commanded], axis=1)
     for name, numbers in columns.items():
         row = int(np.nanargmax(np.abs(numbers)))
-        if name.removeprefix(MEASURED) in joints and abs(numbers[row]) > FARTHEST:
+        if name in turning and abs(numbers[row]) > FARTHEST:
             facts = {"angle": numbers[row], "row": row + 1, "time": start[row]}
             raise ValueError(message("far", name=name, **facts))
         if (np.abs(numbers) > LARGEST).any():

@@ -25,7 +25,6 @@ from sim.preparation.setup import Setup
 FIRST_ANGLE = 3  # of the state, after the pose
 SMOOTHED = 5e-4  # [m] within which the least of several distances is smoothed
 TINY = 1e-12  # [m^2], keeps the root of a square differentiable
-NEARBY_POINTS = 201  # of the path, to which obstacles may be near
 ENDLESS = 10.0  # [m], of a corridor that counts as without end
 SWINGS = np.array([0.0, 0.4, -0.4])  # [rad] of a joint, where it is sampled
 BASIS = np.stack([np.ones(3), np.cos(SWINGS), np.sin(SWINGS)], axis=-1)
@@ -83,7 +82,7 @@ def near_pieces(setup: Setup, within: float) -> Iterator[Near]:
     still = np.zeros((len(angles), 3)), angles, np.zeros_like(angles)
     reach = max(map(outline.radius, outline.configurations(*still)))
     reach += min(within, ENDLESS) + setup.scenario.min_clearance
-    way = setup.scenario.path.curve.at(np.linspace(0.0, 1.0, NEARBY_POINTS))[:, :2]
+    way = setup.scenario.path.curve.at(np.linspace(0.0, 1.0, 201))[:, :2]
     path, points = shapely.linestrings(way), shapely.points(way)
     for obstacle in setup.scenario.obstacles:
         for piece in obstacle.pieces:

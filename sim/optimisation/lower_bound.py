@@ -27,16 +27,12 @@ FINE_ANGLES = 20  # times as many, to integrate by
 LEAST_STROKE = 1e-9  # [rad], of a visit that only lifts and lands
 ROUNDED_STEPS = 3  # of physics, to which a visit is rounded up at most
 HEADINGS = 0.005  # [rad] between two values of alpha on the grid at least
-MOST_HEADINGS = 200  # of them
 ROOM = 1.01  # of second derivatives that are known at the fine angles alone
 PIECES = (1, 2, 3, 4)  # numbers of them that are tried
 EVERY = 4  # of these, in the linear program
 FEW_HEADINGS = 64  # in the linear program
 DIRECTIONS = 32  # in which the length of a vector is compared
-SWEPT_ANGLES = 25  # of each group, ends of the joint range included
-DRAWN_ANGLES = 4000  # where there are too many groups for a grid
 MOST_GRIDDED = 2  # groups
-BOUND_POINTS = 101  # of the path
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +69,7 @@ def least_time(setup: Setup, within: float, yaw: float = inf) -> float:
         >>> least_time(setup, within=0.02, yaw=0.17) > 50  # [s]
         True
     """
-    points = setup.scenario.path.curve.at(np.linspace(0.0, 1.0, BOUND_POINTS))
+    points = setup.scenario.path.curve.at(np.linspace(0.0, 1.0, 101))
     plain = shortest_way(points[:, :2], within) / top_speed(setup)
     task = task_of(setup, (within, yaw))
     found = [_curve(setup, task, stage) for stage in task.stages if stage.stroke]
@@ -134,7 +130,7 @@ def _headings(curve: Curve, span: tuple[float, float], count: int | None) -> Arr
     low, high = span[0] - curve.headings.max(), span[1] - curve.headings.min()
     high = min(high, low + 2 * pi) if np.isfinite(low) else pi
     low = low if np.isfinite(low) else -pi
-    most = min(MOST_HEADINGS, 2 + int((high - low) / HEADINGS))
+    most = min(200, 2 + int((high - low) / HEADINGS))
     return np.linspace(low, high, count or most)
 
 
@@ -256,10 +252,10 @@ def top_speed(setup: Setup) -> float:
     described, twists = setup.equations, real_twists(setup)
     low, high = np.array(list(described.limits.values())).T
     if len(low) <= MOST_GRIDDED:
-        even = [np.linspace(0, 1, SWEPT_ANGLES)] * len(low)
+        even = [np.linspace(0, 1, 25)] * len(low)  # ends of the joint range included
         shares = np.stack(np.meshgrid(*even), axis=-1).reshape(-1, len(low))
     else:
-        shares = np.random.default_rng(0).uniform(size=(DRAWN_ANGLES, len(low)))
+        shares = np.random.default_rng(0).uniform(size=(4000, len(low)))
     swing, fastest = low + shares * (high - low), 0.0
     for name in set(described.elements) & set(described.swings):
         direction = described.swings[name]

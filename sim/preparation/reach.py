@@ -15,8 +15,6 @@ from sim.motion.poses import relative
 from sim.scenarios.scenario import Scenario
 
 WAYS = ("x", "y", "theta")
-POSES_COUNTED = 201  # of a path, between which its way is added up
-LOOKING = 30.0  # [s] for the reason and the remedy
 
 
 def immobile(robot: Robot, found: Mobility) -> Iterator[str]:
@@ -32,7 +30,7 @@ def explained(robot: Robot, described: Equations) -> Iterator[None]:
     try:
         yield
     except PlannerError as error:
-        with limited(LOOKING):  # the time for planning may be over
+        with limited(30.0):  # [s]; the time for planning may be over
             found = mobility_of(robot, described)
             if not found.lacking:
                 raise
@@ -44,7 +42,7 @@ def require_reach(robot: Robot, described: Equations, path: Path) -> None:
     found = mobility_of(robot, described)
     if not found.lacking:
         return
-    poses = np.atleast_2d(path.at(np.linspace(0.0, 1.0, POSES_COUNTED)))[:, :3]
+    poses = np.atleast_2d(path.at(np.linspace(0.0, 1.0, 201)))[:, :3]
     along = np.abs(relative(poses[:-1], poses[1:])).sum(axis=0)  # seen from the body
     ways = dict(zip(WAYS, along, strict=True))
     costs = [(ways[c.direction], c.strokes) for c in found.costs]

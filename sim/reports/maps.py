@@ -31,7 +31,6 @@ MM = 1e3
 MAP_WIDTH = 4.2  # [in]
 SPACING = 1 / 600  # of a path's extent, between its points
 HEIGHTS = (1.8, 4.2)  # [in]
-ERROR_HEIGHT = 1.75  # [in]
 WAYS = ("along", "across")
 DASHES: Sequence[tuple[float, ...]] = ((), (4.0, 1.5), (1.0, 1.0))
 ARROWS, TURNED = 8, 0.1  # at most, on a path that turns by more [rad]
@@ -76,7 +75,7 @@ def errors(run: Run) -> Iterator[Drawing]:
     done = np.linspace(0, length or len(starts), len(starts) + 1)
     marks = {name: palette.PREDICTED[name] for name in run.compared}
     for way, word in enumerate(WAYS):
-        with sheet(ERROR_HEIGHT, MAP_WIDTH) as (figure, axes):
+        with sheet(1.75, MAP_WIDTH) as (figure, axes):  # [in]
             for name, mark in marks.items():
                 error = MM * _turned(run, name)[:, way]
                 add_band(axes, done, *extremes_between(error, starts), mark.colour.hex)

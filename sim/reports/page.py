@@ -26,7 +26,6 @@ from sim.templates import render
 
 NAME = "report.html"
 MOMENTS = 1500  # at most under the cursor
-DRAWINGS = 9  # at most, those of a walk among obstacles
 
 
 def write_report(run: Run, progress: Progress = silent) -> Path:
@@ -62,7 +61,7 @@ def _drawn(run: Run, progress: Progress) -> Iterator[Drawing]:
     progress("report", 0.0)
     drawings = chain(map(plan_view, [run]), errors(run), panels(run))
     for number, drawing in enumerate(drawings, start=1):
-        progress("report", min(number / DRAWINGS, 1.0))
+        progress("report", min(number / 9, 1.0))  # 9 among obstacles
         yield drawing
     progress("report", 1.0)
 

@@ -34,10 +34,8 @@ LIMIT = palette.LIMIT.hex
 STRATA = [palette.TEXT.tint(share).hex for share in (0.2, 0.35, 0.5, 0.65)]
 """Of strata on which several groups stand."""
 DASHED, DOTTED = (3.7, 1.6), (1.0, 1.65)  # as matplotlib draws -- and :
-PANEL_HEIGHT = 1.55  # [in]
 ROUNDING = 1e-9  # of the largest value
 COMB = 20  # segments, from which on curves look like combs
-ROW = 0.17  # [in] of a foot
 Curve = tuple[Array, Style, Key | None]  # its values, its look, its entry in the key
 
 
@@ -82,7 +80,7 @@ def _curves(
     starts = stretches(run)
     edges = np.append(run.time[starts], run.time[-1])
     keys = [key for *_, key in curves if key]
-    with sheet(PANEL_HEIGHT) as (figure, axes):
+    with sheet(1.55) as (figure, axes):  # [in]
         for values, style, _ in curves:
             rows = extremes(values)
             combed = run.segments >= COMB and _falls(values)
@@ -167,7 +165,7 @@ def _contacts(run: Run) -> Drawing:
     wrong = contact != run.arrays["planned_contact"]
     strata = sorted({p.stratum for p in run.phases}, key=lambda s: (-len(s), s))
     of_stratum = {s: _of_stratum(run, s, i) for i, s in enumerate(strata)}
-    with sheet(ROW * (feet + 1.6) + 0.34) as (figure, axes):
+    with sheet(0.17 * (feet + 1.6) + 0.34) as (figure, axes):  # [in]
         for i, leg in enumerate(run.legs):
             y = feet - i
             colour = palette.group(run.card.group_of_leg[leg]).hex

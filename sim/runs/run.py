@@ -32,7 +32,6 @@ from sim.scenarios.scenario import Scenario
 from sim.scenarios.settings import SETTINGS
 
 SURE = 2.146  # standard deviations of a normal point in the plane that hold 90 %
-NOMINAL_POINTS = 400  # of the nominal path as it is drawn
 PICTURED = 1e5  # [m] that a path leads; a picture has no numbers for a robot beyond
 PLACES = ("contact_point", "center_of_mass")  # arrays of points that are not poses
 STATES = {"qvel", "contact", "slip", "achieved_margin", *PLACES}  # of any walk
@@ -177,7 +176,7 @@ class Run:
         if "motion" in self.settings:
             return self.predicted[self.best]
         path = body_path.decode(self.settings["path"])
-        poses = np.array([path(s) for s in np.linspace(0, 1, NOMINAL_POINTS)])
+        poses = np.array([path(s) for s in np.linspace(0, 1, 400)])  # as it is drawn
         return poses if self.frame is None else compose(self.frame, poses)
 
     @property

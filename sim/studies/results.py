@@ -134,8 +134,7 @@ def read_results(path: Path, prediction: str = "") -> Results:
         what = ", ".join(["it does not say what varies", *strange, *lacking])
         raise UsageError(what, str(file), "give the table that a sweep has written")
     if (given := len(keys) * len(columns["point"])) > MOST_GIVEN:
-        what = f"{given} values of settings that vary, where {MOST_GIVEN} are read"
-        raise UsageError(what, str(file), "give a part of its rows")
+        raise UsageError.of("many_given", file, given=given, most=MOST_GIVEN)
     columns.setdefault("verdict", [None] * len(columns["point"]))
     _require("point", columns["point"], "whole numbers from 0", int)
     (point, times), *_ = Counter(columns["point"]).most_common(1) or [(0, 1)]

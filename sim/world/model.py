@@ -31,7 +31,6 @@ from sim.world.servos import ensure_servos, servo_settings
 
 START = "start"
 SIZES = {mujoco.mjtJoint.mjJNT_FREE: 7, mujoco.mjtJoint.mjJNT_BALL: 4}  # in qpos
-AJAR = 1e-4  # [m]; smaller distances of the feet from the floor are left as they are
 MODEL = "model.xml"
 
 
@@ -114,7 +113,7 @@ def ensure_start(spec: mujoco.MjSpec, robot: Robot, floor: Floor) -> float:
     spec.nkey = 0  # for which a file may have kept more room
     kinematics, place = Kinematics(robot), 0
     down = float(kinematics.standing.height.min() - floor.height)
-    down = down if abs(down) > AJAR else 0.0
+    down = down if abs(down) > 1e-4 else 0.0  # [m]; smaller distances stay
     qpos = kinematics.level_qpos
     qpos[robot.root_address_in(robot.model) + 2] -= down
     own = {robot.model.joint(number).name for number in range(robot.model.njnt)}
