@@ -76,14 +76,15 @@ def source_of(name: str, allow_external: bool = False) -> Source:
         >>> source_of(str(load("hexapod").path)).path.name
         'hexapod.xml'
     """
-    path = Path(name)
+    path, notes = Path(name), tuple[str, ...]()
     if path.is_dir():
-        path = _in_folder(path)
+        path, *others = _in_folder(path)
+        notes = tuple(f"{path.name}, as {one.name} is a robot, too" for one in others)
     if not path.is_file() or path.suffix not in (".xml", ".urdf"):
         raise UnknownRobotError(message("no_robot", path=path))
     if path.suffix != ".urdf":
         inspect_model(path, (), allow_external)
-        return Source(path, path, None)
+        return Source(path, path, None, notes)
     given = read_file(path).decode(errors="replace")
     found = with_packages(given, path.parent)
     drawn, notes = with_shapes(path, given, re.sub("(?<=[\"'])file://", "", found))
@@ -102,12 +103,12 @@ def source_of(name: str, allow_external: bool = False) -> Source:
     return Source(path, path.with_suffix(".xml"), _from_urdf(path, drawn), notes)
 
 
-def _in_folder(folder: Path) -> Path:
-    """The MJCF of a folder that has a free joint; scenes only include one."""
+def _in_folder(folder: Path) -> list[Path]:
+    """The MJCF files of a folder that have a free joint; scenes only include one."""
     files = sorted(folder.glob("*.xml"), key=lambda f: ("scene" in f.stem, f.name))
-    for path in files:
-        if path.is_file() and FREE.search(read_file(path).decode(errors="replace")):
-            return path
+    texts = ((p, read_file(p).decode(errors="replace")) for p in files if p.is_file())
+    if found := [path for path, text in texts if FREE.search(text)]:
+        return found
     raise UnknownRobotError(message("no_free", count=len(files), folder=folder))
 
 

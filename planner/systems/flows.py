@@ -6,6 +6,7 @@ flows as eq. (12) does; the series of eq. (2) is `lie.tensor.Tensor.exp`. A gait
 closed walk in the graph of strata, possibly through some on which nothing flows.
 """
 
+from bisect import bisect_left
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain, groupby, pairwise, zip_longest
@@ -17,6 +18,7 @@ import numpy as np
 from planner.errors import StratumError, message, require_known
 from planner.numerics.arrays import Array
 from planner.numerics.collocation import STEP_NODES, follow, follow_all
+from planner.support.stopping import tick
 from planner.systems.formulas import HUGE
 from planner.systems.strata import StratifiedSystem
 
@@ -246,13 +248,16 @@ def gait_steps(
     """
     cycle = Gait(system, tuple(gait)).once_around
     wanted = [*(flow.stratum for flow in flows), ends[1]]
+    known = {stratum: places_in(cycle, stratum) for stratum in dict.fromkeys(wanted)}
     walks = []
     for at in places_in(cycle, ends[0]):
+        tick()
         places = [at]
         for stratum in wanted:
-            last = places[-1]
-            ahead = [(at - last) % len(cycle) for at in places_in(cycle, stratum)]
-            places.append(last + min(ahead))
+            rounds, last = divmod(places[-1], len(cycle))
+            ahead = bisect_left(own := known[stratum], last)
+            more, ahead = divmod(ahead, len(own))
+            places.append((rounds + more) * len(cycle) + own[ahead])
         walks.append(places)
     places = min(walks, key=lambda walk: walk[-1] - walk[0])
     return tuple(

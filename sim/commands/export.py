@@ -29,6 +29,7 @@ RATE = 50.0  # commands a second of a walk without a rate, as most hobby servos 
 IN_COMMANDS = "zero_offset", "command_delay"  # imperfections of servos that are
 ASSUMED = "mounting assumed: channels in the order of joints, senses +, centres alike"
 
+MIRRORED = "counts of servos of sign -1 fall as the angles of their joints grow"
 ON_PULSES = "its servos take pulses; ticks are 4096 a turn, whatever their pulses"
 
 
@@ -143,6 +144,8 @@ def _written(
     if given and kind == "header":
         frames = f"{table.frame_rate:.4g} frames a second"
         cli.notice(f"counts of {options.servo_table} are taken as of {frames}")
+    if given and any(servo.sign < 0 for servo in given.values()):
+        cli.notice(MIRRORED)
     commands = source.commands(rate)
     write(out, kind, source, commands, table)
     if kind in ("header", "dynamixel") and table.assumed:

@@ -30,7 +30,7 @@ FAR = 5.0  # [m], 20 times the reach of shipped robots; others may mean millimet
 
 def scenario_of(options: argparse.Namespace) -> "Scenario":
     """The scenario that the command line asks for; a UsageError if it cannot be."""
-    from sim.scenarios.file import load_scenario, shipped_scenarios
+    from sim.scenarios.file import load_scenario, shipped_scenarios, tell_of_run
 
     source = options.scenario
     of_robot = Path(source).suffix in (".xml", ".urdf")
@@ -42,14 +42,13 @@ def scenario_of(options: argparse.Namespace) -> "Scenario":
         if key in overrides:
             raise UsageError(f"{key} is given twice", option, "keep one")
         overrides[key] = getattr(options, key)
-    of_run = Path(source).is_file() and Path(source).with_name("summary.json").exists()
-    if "robot" in overrides and of_run:
-        notice(f"{source} has all settings of a run, those that its robot gave as well")
+    if "robot" in overrides:
+        tell_of_run(Path(source))
     scenario = load_scenario(source, overrides)
     *place, yaw = scenario.path.goal
     tell_radians("yaw", yaw)
-    for turned in (getattr(obstacle, "yaw", 0.0) for obstacle in scenario.obstacles):
-        tell_radians("yaw of an obstacle", turned)
+    for obstacle in scenario.obstacles:
+        tell_radians("yaw of an obstacle", dict(obstacle.given).get("yaw", 0.0))
     if (far := hypot(*place)) > FAR:
         notice(f"x and y are in metres: the goal is {far:g} m away")
     return scenario

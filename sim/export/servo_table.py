@@ -156,12 +156,12 @@ def servo_table(
         _channel(joint, number, known.get(joint, JointServo()), make, pwm)
         for number, joint in enumerate(joints)
     ]
-    if make and pwm and not on_bus:
+    if make and pwm:
         _require_pulses(servos, make)
     ticks = round(2 * make.reach / make.resolution) if make else TURN
     return ServoTable(
         channels=tuple(sorted(servos, key=lambda servo: servo.channel)),
-        largest=(FRAME if pwm else max(ticks, TURN if known else 0)) - 1,
+        largest=(FRAME if pwm else max(ticks, TURN if given else 0)) - 1,
         frame_rate=make.command_rate if make and pwm else 0.0,
         clock=card.board_clock,
         assumed=any(known.get(j, JointServo()).channel is None for j in joints),

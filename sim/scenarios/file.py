@@ -243,6 +243,13 @@ def announce(old: str, new: str) -> None:
     say(f"stratawalk: notice: {old} is now called {new}")
 
 
+def tell_of_run(source: Path) -> None:
+    """Say whose settings a run's scenario has, which another robot is to walk."""
+    if source.is_file() and source.with_name("summary.json").exists():
+        told = "has all settings of a run, those that its robot gave as well"
+        say(f"stratawalk: notice: {source} {told}")
+
+
 def toml_value(value: object) -> str:
     """A value as TOML writes it."""
     if isinstance(value, str):

@@ -18,7 +18,14 @@ import numpy as np
 from planner.support import did_you_mean
 from sim.errors import UsageError
 from sim.scenarios.declaration import is_number, require_keys
-from sim.scenarios.file import anchor, find, read_toml, scenario_from, scenario_table
+from sim.scenarios.file import (
+    anchor,
+    find,
+    read_toml,
+    scenario_from,
+    scenario_table,
+    tell_of_run,
+)
 from sim.scenarios.scenario import Scenario
 from sim.scenarios.settings import SETTINGS
 
@@ -99,6 +106,8 @@ def read_sweep(source: str) -> Sweep:
     made += [list_block(lists)] if (lists := dict(flat(_inner(table, "list")))) else []
     made += [sobol_block(inner)] if (inner := _inner(table, "sobol")) else []
     blocks = tuple(_anchored(block, path.parent) for block in made)
+    if "robot" in times:
+        tell_of_run(path.parent / str(table.get("scenario", "")))
     keep = _run_folders(_inner(table, "keep"), _count(blocks))
     without = left_out(table.get("without", []))
     return Sweep(path.stem, scenario, fixed, blocks, without, *keep)

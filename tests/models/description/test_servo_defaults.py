@@ -34,6 +34,12 @@ def test_joints_turn_as_their_servos_do_and_lift_as_they_turn():
     assert Servo(stiffness=10.0, damping=0.1).armature == 0
 
 
+@pytest.mark.parametrize("key", ["stiffness", "damping"])
+def test_a_make_has_a_stiffness_and_a_damping_of_its_own(edited, key):
+    with pytest.raises(ModelError, match=f"kind 'mg90' gives {key}; leave {key} out"):
+        edited("[gait]", f'[servo]\nkind = "mg90"\n{key} = 1.0\n\n[gait]')
+
+
 def test_data_sheets_are_in_kilogram_force_centimetres_and_seconds_for_60_degrees():
     kind = _kind({"kgf_cm": 2.0, "seconds": 0.1, "full_error": 0.1})
     assert kind.stall_torque == pytest.approx(2.0 * 9.80665 * 0.01)

@@ -1,6 +1,7 @@
 """Walks along a gait: which strata are entered before each flow, and how few."""
 
 import pytest
+from hypothesis import given, settings, strategies as st
 
 from planner import Gait, StratifiedSystem, StratumError
 from planner.systems.flows import Flow, Word, contact_switches, gait_steps
@@ -39,6 +40,29 @@ def test_strata_are_entered_in_the_order_of_the_gait(walker, wanted, ends, steps
     changes = sum(1 for step in steps for _ in step)
     counted = contact_switches(walker, flows(*wanted), *ends, GAIT)
     assert counted == changes  # a foot each
+
+
+@settings(deadline=None)
+@given(st.text("12", min_size=1, max_size=9), st.integers(1, 5), st.booleans())
+def test_no_walk_along_a_long_gait_has_fewer_steps(wanted, twice, last):
+    """Whichever of its visits to the bottom stratum it begins with."""
+    walker, ends = (
+        StratifiedSystem("x y z", FIELDS, "12"),
+        ("12", "2" if last else "12"),
+    )
+    cycle = ("12", "1") * twice + ("12", "2")
+    steps = gait_steps(walker, flows(*wanted), (*cycle, "12"), ends)
+
+    def count(place):  # step by step
+        start = place
+        for stratum in (*wanted, ends[1]):
+            while cycle[place % len(cycle)] != stratum:
+                place += 1
+        return place - start
+
+    starts = (place for place, stratum in enumerate(cycle) if stratum == "12")
+    assert sum(map(len, steps)) == min(map(count, starts))
+    assert [s[-1] for s in steps if s][-1:] in ([], [ends[1]])
 
 
 def test_a_gait_goes_once_around():

@@ -9,6 +9,7 @@ from models.description.robot import FOLDER
 from sim.cli import main
 from sim.endings import again, begin, command
 from sim.scenarios.file import dumps, load_scenario
+from sim.sweeps.file import read_sweep
 
 EVIL = "a b$(touch PWNED);'c"
 
@@ -139,4 +140,8 @@ def test_what_a_run_s_robot_gave_is_not_handed_to_another_without_a_word(
         (tmp_path / "summary.json").touch()
     assert main(["plan", str(file), "--robot", "octopod", "--segments", "1"]) == 0
     said = f"{file} has all settings of a run, those that its robot gave as well"
+    assert (said in capsys.readouterr().err) == run
+    sweep = tmp_path / "sweep.toml"
+    sweep.write_text('scenario = "scenario.toml"\n[grid]\nrobot = ["octopod"]\n')
+    read_sweep(str(sweep))
     assert (said in capsys.readouterr().err) == run

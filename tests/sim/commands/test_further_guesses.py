@@ -106,6 +106,15 @@ def test_a_goal_that_looks_like_degrees_or_millimetres_is_told_its_units(
     assert "notice" not in out
 
 
+def test_a_box_that_looks_turned_by_degrees_is_told_its_unit(tmp_path, capsys):
+    box = '[[obstacles]]\nkind = "box"\ncenter = [0, 1]\nsize = [0.1, 0.1]\nyaw = 45\n'
+    path = tmp_path / "box.toml"
+    path.write_text(f'[path]\nkind = "line"\ngoal = [0.005, 0, 0]\n{box}')
+    assert main(["plan", str(path), "--segments", "1"]) == 0
+    told = "yaw of an obstacle is in radians: 45 degrees is 0.7854"
+    assert told in capsys.readouterr().err
+
+
 def test_a_heading_of_a_system_that_looks_like_degrees_is_told_its_unit(capsys):
     assert main(["plan", "unicycle", "--goal", "theta=90", "--segments", "40"]) == 0
     assert "theta is in radians: 90 degrees is 1.5708" in capsys.readouterr().err

@@ -293,6 +293,23 @@ def stranger(below=""):
     return card
 
 
+def test_a_channel_that_the_card_has_got_meanwhile_is_given_to_no_second_joint(
+    calibrate, capsys
+):
+    card, board = stranger(), Board(1)
+    owner, other = board.owner(), f"\n[servo.lift_1]\nchannel = {min(board.channel)}\n"
+
+    def answer(question):
+        if "mark 2: " not in question and "mark 2 " in question:
+            card.write_text(stranger_text + other)
+        return owner(question)
+
+    stranger_text = card.read_text()
+    assert calibrate(answer, "own.xml") == 2
+    assert f"channel {min(board.channel)} is that of 'lift_1'" in told_of(capsys)
+    assert card.read_text() == stranger_text + other
+
+
 def test_a_servo_of_which_only_limits_are_known_is_asked_for_and_keeps_them(
     calibrate, capsys
 ):

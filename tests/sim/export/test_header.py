@@ -58,7 +58,7 @@ def built(folder, header, main, compiler=("gcc", "-std=c99")):
 
 
 FINE = {
-    joint: JointServo(center=2048, counts_per_radian=2048 / np.pi, limits=(-3, 3))
+    joint: JointServo(center=614, counts_per_radian=2048 / np.pi, limits=(-0.9, 4))
     for joint in JOINTS
 }
 
@@ -161,9 +161,9 @@ def test_rows_are_packed_by_what_changes_and_unpacked_as_they_were():
 
 def test_a_header_says_where_its_mounting_is_assumed(commands):
     angles = ServoCommands(JOINTS, 60.0, 0.1 * commands.angles)
+    on_channels = {joint: JointServo(channel=n) for n, joint in enumerate(JOINTS)}
     guessed, known = (
-        write_header(angles, t, **TITLE)
-        for t in (table(), table(given=dict.fromkeys(JOINTS, JointServo())))
+        write_header(angles, t, **TITLE) for t in (table(), table(given=on_channels))
     )
     assert "// Mounting ASSUMED: these channels" in guessed
     assert "ASSUMED" not in known

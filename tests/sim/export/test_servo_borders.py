@@ -83,6 +83,17 @@ def test_counts_that_are_of_no_pulse_are_refused(center):
         table(given={j: JointServo(center=center) for j in JOINTS})
 
 
+@pytest.mark.parametrize("center", [0.0, 1023.0])
+def test_servos_of_a_card_have_no_more_ticks_than_their_make(center):
+    servos = {j: JointServo(channel=n, center=center) for n, j in enumerate(JOINTS, 1)}
+    card = SimpleNamespace(joint_servos=servos, board_clock=25e6, board_divider=0)
+    made = servo_table(card, JOINTS, BUS, False)
+    with pytest.raises(UsageError, match="goes to"):
+        made.counts(commands([0.0, 0.01 if center else -0.01]))
+    given = servo_table(card, JOINTS, BUS, False, servos)  # of a table of others
+    assert (made.largest, given.largest) == (1023, 4095)
+
+
 def test_counts_of_pulses_are_no_ticks():
     servos = {j: JointServo(center=371.0, counts_per_radian=111.4) for j in JOINTS}
     card = SimpleNamespace(joint_servos=servos, board_clock=25e6, board_divider=102)

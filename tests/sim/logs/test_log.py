@@ -59,8 +59,9 @@ def test_degrees_hold_for_every_angle_and_a_function_for_joints_alone(read):
     log = read(text, "degrees")
     assert log.commanded[0] == log.measured[0] == log.pose[0, 2] == np.pi / 2
     assert log.spread[0, 2] == np.pi / 2
+    text = f"{names}\n0,90,90,0.9,0.1\n1,0,0,0,0\n"
     log = read(text, {"hip_1": lambda counts: (counts - 90) / 100})
-    assert (log.commanded[0], log.measured[0], log.pose[0, 2]) == (0, 0, 90)
+    assert (log.commanded[0], log.measured[0], log.pose[0, 2]) == (0, 0, 0.9)
 
 
 def test_what_was_done_to_a_log_is_said(read):

@@ -85,8 +85,13 @@ def test_a_sweep_goes_on_with_a_word_where_its_robot_has_become_another(
 ):
     robot = edited().path
     file = write_sweep(tmp_path, f'[grid]\nrobot = ["{robot}"]\n')
+    text, goal = file.read_text(), "[0.002, 0.002, 0]"
+    assert goal in text
+    file.write_text(text.replace(goal, "[0.002, 0.002, 7]"))  # [rad]
     words, first = ("sweep", file, "--out", tmp_path / "out"), "1 point, 0 of them done"
-    assert walked_here(*words).stdout.startswith(f"{first} before\n")
+    done = walked_here(*words)
+    assert done.stdout.startswith(f"{first} before\n")
+    assert "yaw is in radians: 7 degrees is 0.12217" in done.stderr
     robot.write_text(f"{robot.read_text()}<!-- heavier -->\n")
     robot.with_suffix(".toml").unlink()  # its model is named as the shipped one is
     done = walked_here(*words, "--resume")
