@@ -74,7 +74,7 @@ def _part_problems(model: mujoco.MjModel, leg: LegCard) -> Iterator[Problem]:
             yield "no_hinge", {"joint": joint}
         for name in ("damping", "frictionloss", "stiffness"):
             value = float(getattr(model.joint(joint), name)[0])
-            if not 0 <= value <= STIFFEST:
+            if not 0 <= value <= 1e6:  # [N m/rad]; no joint has more
                 yield "drives", {"joint": joint, "name": name, "value": value}
     for joint, angle in leg.hold.items():
         low, high = model.joint(joint).range
@@ -91,7 +91,6 @@ def _part_problems(model: mujoco.MjModel, leg: LegCard) -> Iterator[Problem]:
             yield "loose", {"foot": foot, "joint": loose[0]}
 
 
-STIFFEST = 1e6  # [N m/rad] and what goes with it, that no joint of a robot has
 STEEP = np.deg2rad(20)  # largest angle between a swing axis and the vertical
 UNEVEN_FEET = 0.02  # of the stance's size; tolerance of the feet's heights
 BEYOND = 1e-6  # [rad] by which a start may be out of range

@@ -94,6 +94,8 @@ def _find(name: str) -> Path:
         facts = {"question": question, "shipped": ", ".join(shipped), "own": own}
         raise UnknownRobotError(message("unknown_robot", name=name, **facts))
     path = Path(name) if name.endswith(".xml") else FOLDER / f"{name}.xml"
+    if path.parent.resolve() == FOLDER.resolve():  # by whatever way it is named
+        path = FOLDER / path.name
     if not path.is_file():
         own = f"{path.stem!r}, as shipped, or " * (path.stem in shipped)
         raise UnknownRobotError(message("no_file", path=path, own=own))

@@ -15,7 +15,6 @@ from pathlib import Path
 from planner.support import shipped_tables
 from scripts.endings import ROOT
 
-PLAN_TIME = 0.5  # [s], so that no case takes long
 NUMBER = re.compile(r"-?\d+\.?\d*(?:e-?\d+)?")
 TEXTS = shipped_tables("scripts", "fuzz.toml")
 NASTY = (*TEXTS["nasty"], "9" * 400, "1" * 5000, "[" * 300, "\x00", "\udcff", "ö")
@@ -77,8 +76,7 @@ def scenario(folder: Path, rng: random.Random) -> list[str]:
     """A mutated scenario, planned."""
     name = rng.choice(("line", "ellipse", "diagonal", "corridor"))
     own = _read("sim", "scenarios", f"{name}.toml")
-    text = f"plan_time = {PLAN_TIME}\n{own}"
-    write(folder / "mine.toml", mutated(text, rng))
+    write(folder / "mine.toml", mutated(f"plan_time = 0.5\n{own}", rng))
     return ["plan", "mine.toml"]
 
 

@@ -19,7 +19,6 @@ from planner import Array
 
 FARTHEST = 1e3  # [rad] that a hinge is taken to turn, whatever its range says
 LEVEL = np.deg2rad(60)  # axes nearer to the vertical do not lift
-AS_LOW = 1e-4  # [m] by which soles differ in height
 SOLID = range(int(mujoco.mjtGeom.mjGEOM_SPHERE), int(mujoco.mjtGeom.mjGEOM_MESH) + 1)
 
 
@@ -133,7 +132,7 @@ def _limb(pose: Pose, hip: int, chain: dict[int, list[int]], source: str) -> Lim
         raise refusal("no_lift", source, foot=name)
     rest = [n for k, n in enumerate(names) if k not in (swing, lift)]
     low = [g for g in last if chain[g] == joints and g != foot]
-    low = [geom for geom in low if pose.bottom(geom)[2] < toe[2] + AS_LOW]
+    low = [geom for geom in low if pose.bottom(geom)[2] < toe[2] + 1e-4]  # [m]
     return Limb(
         swing=names[swing],
         lift=names[lift],
@@ -149,8 +148,6 @@ def _limb(pose: Pose, hip: int, chain: dict[int, list[int]], source: str) -> Lim
 
 GRID = 41  # angles of each joint that are tried
 CLEARANCE = 0.3  # of a leg's reach, that the body is wanted above the floor
-KEPT_RANGE = 0.15  # of a joint's range to keep from its ends
-BISECTIONS = 30  # of the bisection for the height of a foot
 
 
 def stands(pose: Pose, limbs: Sequence[Limb]) -> bool:
@@ -185,7 +182,7 @@ def standing_angles(pose: Pose, limbs: Sequence[Limb], source: str) -> dict[str,
 
 def _within(pose: Pose, joint: str) -> Array:
     low, high = pose.span(joint)
-    keep = KEPT_RANGE * (high - low)
+    keep = 0.15 * (high - low)  # from the ends of the joint's range
     return np.linspace(low + keep, high - keep, GRID)
 
 
@@ -225,7 +222,7 @@ def _lowered(
     first, last = above(low), above(high)
     if first * last > 0:
         raise refusal("too_uneven", source, foot=limb.foot)
-    for _ in range(BISECTIONS):
+    for _ in range(30):
         middle = (low + high) / 2
         low, high = (middle, high) if above(middle) * first > 0 else (low, middle)
     return held | {limb.lift: float((low + high) / 2)}

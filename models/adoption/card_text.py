@@ -17,7 +17,6 @@ from models.morphology.mjcf import template_of
 from planner import Array
 
 LIFT_TIME = 0.6  # [s]; a foot that bears little is shaken off by faster lifts
-LARGEST_LIFT = 0.3  # [rad]
 NAMES = "123456789"
 GAIN = "# leg = angle of its swing joint for each radian of the group"
 
@@ -94,7 +93,7 @@ def lift_room(pose: Pose, limbs: Sequence[Limb]) -> float:
 
 def drafted_lift(pose: Pose, limbs: Sequence[Limb]) -> float:
     """An angle that all lift joints have left for lifting, 0.3 rad if they can."""
-    return min(LARGEST_LIFT, 0.95 * lift_room(pose, limbs))
+    return min(0.3, 0.95 * lift_room(pose, limbs))
 
 
 def card_text(

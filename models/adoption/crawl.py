@@ -23,8 +23,6 @@ FEWEST_LEGS, MOST_LEGS = 4, 6  # legs of robots for which crawls are searched fo
 PLACES = 9  # of the feet, along each axis
 SHARES = (1.0, 0.75, 0.5, 0.35, 0.25, 0.15)  # of the longest stroke
 LEAST_STROKE = 0.04  # [rad] to either side, of a stroke
-SKEWED = 0.7  # worth of a stroke from a posture that is not the same left and right
-SPINS = (0.0, -0.4, 0.4, -0.8, 0.8)  # [rad] by which all legs are turned alike
 PUSHED = 0.3  # of the way that the fastest foot would push the body without slip
 TINY = 1e-12  # in the place of a zero to divide by
 IDLE = 0.05  # of the fastest leg's swing: legs slower than that are left out
@@ -45,7 +43,7 @@ class Crawl:
     def worth(self) -> float:
         """Its stroke, less for legs much turned, and for left and right unlike."""
         bent = float(np.abs(self.turns).max())
-        return self.stroke * np.exp(-bent) * (SKEWED if self.skewed else 1.0)
+        return self.stroke * np.exp(-bent) * (0.7 if self.skewed else 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,7 +124,7 @@ def _postures(body: _Body, ranges: Array) -> Iterator[Crawl]:
     sweeps = body.sweeps(np.zeros(len(ranges)))
     lengths = (sweeps**2).sum(axis=1)
     shifts = np.linspace(-1, 1, PLACES) * float(np.sqrt(lengths).max())
-    for x, y, spin in product(shifts, shifts, SPINS):
+    for x, y, spin in product(shifts, shifts, (0.0, -0.4, 0.4, -0.8, 0.8)):  # [rad]
         turns = sweeps @ (x, y) / lengths + spin
         room = np.minimum(ranges[:, 1] - turns, turns - ranges[:, 0])
         if (room < 0).any():

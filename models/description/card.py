@@ -22,7 +22,7 @@ from planner.support import require_known
 # [s]; with slower lifts the slip at lift-off and touchdown no longer decreases
 LIFT_TIME = 0.3
 QUICKEST_LIFT = 0.001  # [s]
-MOST_LEGS, MOST_OTHERS = 40, 1000  # the latter of patterns, and of a gait's strata
+MOST_LEGS, MOST_SOLES, MOST_OTHERS = 40, 400, 1000  # others: patterns, strata of gaits
 MOST_GROUPS, MOST_ROWING, MOST_STRATA = 10, 8, 32  # all combinations are looked at
 OF_LOGS = ("measured.", "body.", "contact.")  # begin columns of logs
 CLOCKS = (20e6, 30e6)  # [Hz]; its data sheet's by a fifth more or less
@@ -196,6 +196,7 @@ class Card:
         for what, some, most in (
             ("strata", self.gait, MOST_OTHERS),
             ("legs", self.legs, MOST_LEGS),
+            ("soles", [g for leg in self.legs.values() for g in leg.foot], MOST_SOLES),
             ("groups", self.groups, MOST_ROWING if self.patterns else MOST_GROUPS),
             ("patterns", self.patterns, MOST_OTHERS),
         ):

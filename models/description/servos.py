@@ -243,13 +243,18 @@ Example:
 NEEDED = ("stall_torque", "no_load_speed")
 
 
+def one_make(name: str) -> str:
+    """The name of a make, for whichever of its names, in small or capital letters."""
+    return ALSO.get(name.lower(), name.lower())
+
+
 def servo_of(name: str, given: Mapping[str, float] | None = None) -> ServoKind:
     """A make, or a pulse or bus servo of none, with numbers of a data sheet.
 
     Raises:
         ValueError: There is no such make, or a number is missing or impossible.
     """
-    name, given = ALSO.get(name.lower(), name.lower()), given or {}
+    name, given = one_make(name), given or {}
     require_known("it", name, KNOWN_SERVOS)
     if missing := [n for n in NEEDED if name in GENERIC and n not in given]:
         lacking = f"it has no {' and no '.join(missing)}"

@@ -184,7 +184,6 @@ def _elements(robot: Robot, swings: Sequence[Swing], fields: Fields) -> tuple[st
 
 
 WAYS = dict(zip(map(str, POSE), ("go forward", "go sideways", "turn"), strict=True))
-SAME_PIVOT = 0.25  # of the reach, between pivots that are nearly one
 STRAIGHT = 1e-3  # rad of yaw while the body moves by the size of its stance
 
 
@@ -239,6 +238,6 @@ def _reason(robot: Robot, described: Equations) -> str:
     if all(turning):
         # points of the body that strokes leave in place [m]
         (x, y), (u, v) = [(-left / yaw, ahead / yaw) for ahead, left, yaw in twists]
-        if (apart := hypot(x - u, y - v)) < SAME_PIVOT * size:
+        if (apart := hypot(x - u, y - v)) < 0.25 * size:  # nearly one
             return message("one_pivot", x=x, y=y, apart=1e3 * apart)
     return message("short", most=AFFORDABLE)

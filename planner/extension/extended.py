@@ -5,6 +5,7 @@ x' = B(x) v (Def. 3). The fictitious inputs v that follow a path come from here;
 `extension.steering` turns them into flows.
 """
 
+from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
@@ -194,11 +195,11 @@ def _extended(
     names = tuple(map(str, trees))
     if not names:
         raise ValueError(message("no_elements"))
+    if twice := [*Counter(names) - Counter({*names})]:
+        raise ValueError(f"element {twice[0]} is listed twice; keep one")
     columns = [column(tree, system) for tree in trees]
     zeros = vanishing(columns, system.state)
     for name, tree, zero in zip(names, trees, zeros, strict=True):
-        if names.count(name) > 1:
-            raise ValueError(f"element {name} is listed twice; keep one")
         if zero:
             reason = "its fields commute" if len(leaves(tree)) > 1 else "it is zero"
             raise PlannerError(f"element {name} vanishes everywhere: {reason}; drop it")

@@ -33,7 +33,6 @@ from planner.systems.strata import StratifiedSystem
 
 EQUAL = 1e-6  # relative difference below which units count as equal
 DEGREE = 2  # of the brackets whose words are rectangles
-WORTH_TURNING = 0.5  # of the printed word's error, above which that word is kept
 LONGEST_SHAPE = 10.0  # times as long as wide that a rectangle may be
 MOST_SIGNED = 6  # generators whose signs are tried, all combinations of them
 
@@ -160,7 +159,7 @@ class Rectangles:
         own = own * factors[:, None]
         errors = self._errors(hall_coordinates / factors, own, further)
         least = errors.min(axis=0) + EQUAL * errors.max(axis=0)
-        printed = errors[0] * WORTH_TURNING <= least
+        printed = errors[0] * 0.5 <= least  # then that word is kept
         turned = self._signs[np.where(printed, 0, errors.argmin(axis=0))]
         return np.asarray(scales * turned)
 

@@ -26,9 +26,6 @@ from planner.lie.hall import Element
 from planner.numerics.arrays import Array
 from planner.numerics.collocation import collocation
 
-INTERVAL_NODES = 16  # of an interval, if inputs are functions of time
-HALVING_TOLERANCE = 1e-12  # relative, of the change when an interval is halved
-SHORTEST_INTERVAL = 1e-14  # interval; bounded inputs move nothing within it
 PIECES = 16  # of unit time at first; their nodes are at most 1/300 apart
 EVALUATIONS = 100_000  # of inputs before they are refused; a jump needs 2 000
 Number = Any  # float, array over many segments, or polynomial
@@ -201,16 +198,16 @@ def _adapted(
     """Coordinates at the end of an interval, halved until the result converges."""
 
     def step(begin: float, length: float, h: Array) -> Array:
-        nodes = begin + length * collocation(INTERVAL_NODES).nodes
+        nodes = begin + length * collocation(16).nodes
         values = np.array([inputs(t) for t in nodes.tolist()])
         return integrate(algebra.basis, length * values, h)
 
     middle, half = time + length / 2, length / 2
     second = step(middle, half, step(time, half, start))
     change = np.abs(second - step(time, length, start)).max()
-    if change <= HALVING_TOLERANCE * (1.0 + np.abs(second).max()):
+    if change <= 1e-12 * (1.0 + np.abs(second).max()):
         return second
-    if length < SHORTEST_INTERVAL:
+    if length < 1e-14:  # bounded inputs move nothing within it
         facts = {"time": time, "change": change, "length": length}
         raise ConvergenceError(message("unbounded", **facts))
     first = _adapted(algebra, inputs, time, half, start)

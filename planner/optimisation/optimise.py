@@ -28,9 +28,6 @@ from planner.systems.flows import Flow, contact_switches, merged
 
 Objective = Literal["time", "strokes", "switches"]
 
-REFINEMENTS = 12  # of a plan, until its exact motion meets the goal and constraints
-NEGLIGIBLE_MISS = 1e-6  # distance from the goal, in units of a stroke's length
-LARGEST_MISS = 1e-2  # likewise; a plan that ends farther away is refused
 FLOW_SAMPLES = 8  # states of a flow that are compared with the path
 
 
@@ -159,14 +156,14 @@ class Optimiser:
             Margins.none(self.task, len(s.strokes)) for s in solutions
         ]
         sizes = self.task.sizes(self.path(0.0))
-        for left in reversed(range(REFINEMENTS)):
+        for left in reversed(range(12)):  # refinements
             flows = self.flows(solutions)
             end, violations = self._played(flows)
             miss = goal - end
             off = float(np.abs(miss[self.task.moved] / sizes).max())
             if violations.none and (best is None or off < best[0]):
                 best = off, flows
-            if left == 0 or (violations.none and off < NEGLIGIBLE_MISS):
+            if left == 0 or (violations.none and off < 1e-6):  # of a stroke's length
                 break
             aim = aim + miss
             before = margins
@@ -185,7 +182,7 @@ class Optimiser:
             solutions, margins = found
         if best is None:
             raise BoundError(f"the best plan found {violations.message(self.task)}")
-        if best[0] > LARGEST_MISS and not interrupted:
+        if best[0] > 1e-2 and not interrupted:  # likewise
             raise BoundError(message("best_misses", missed=best[0]))
         return best[1]
 

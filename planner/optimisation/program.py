@@ -29,8 +29,6 @@ from planner.optimisation.task import Solution, Task
 from planner.planning.paths import Path
 
 OVERLAPPED_COST = 1e-2  # weight of overlapped flows, so that none is made in vain
-WIDTH_COST = 1000.0  # of a tolerance of width, in units of the dearest field's cost
-UNLIMITED_STROKE = 2.0  # longest stroke without limits, relative to the path's size
 GUESSED_WIDTH = 4.0  # largest width of the corridor, in tolerances, of a guess
 
 
@@ -144,7 +142,7 @@ class Unknowns:
         """Longest stroke of every stage, shape (count,)."""
         known = dict[Stage, float]()
         for stage in self.task.stages:
-            unlimited = UNLIMITED_STROKE * max(1.0, self.size)
+            unlimited = 2.0 * max(1.0, self.size)  # in sizes of the path
             known[stage] = unlimited if stage.stroke else 0.0
             for i, rate in self.task.rates(stage).items():
                 low, high = self.task.limits.get(i, (-np.inf, np.inf))
@@ -163,7 +161,7 @@ class Program:
         self.unknowns = Unknowns(task, first, count, float(size))
         self._stages = {s: stage_function(task, s, start) for s in self.unknowns.stages}
         dearest = max(task.cost(s.stroke) for s in task.stages if s.stroke)
-        self._width_cost = WIDTH_COST * dearest
+        self._width_cost = 1000.0 * dearest  # of a tolerance of width
         self._constraints = Constraints()
         _, straight = curve_function(path, task.moved)
         # scalar operations take less than half of the time, but know no splines

@@ -17,7 +17,6 @@ from planner.systems.strata import StratifiedSystem
 PER_DECADE = 16  # tolerances that a search is made for
 FINER = 16  # times as many, for which its plans are solved again
 ROUNDING = 1e-9  # of their logarithms
-KICK = 0.3  # of an inserted stroke, relative to the longest one of the plan
 CHEAP = 0.01  # cost of a recovery where strokes alone are to be short
 F = TypeVar("F", bound=Callable[..., object])
 
@@ -196,7 +195,7 @@ class Solution:
             k = int(rng.integers(len(order) + 1))
             order[k:k] = [max(k - 1, 0)] * turn
             strokes = self.strokes[order]
-            strokes[k : k + turn] = KICK * np.abs(strokes).max() * rng.normal(size=turn)
+            strokes[k : k + turn] = 0.3 * np.abs(strokes).max() * rng.normal(size=turn)
             return self.rearranged(order, strokes)
         k = int(rng.integers(len(order) - turn + 1))
         moved = order[k : k + turn]

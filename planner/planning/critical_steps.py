@@ -34,7 +34,6 @@ CONTRACTED = 0.5  # part of a step that a plan may leave
 SHORTEST, LONGEST = 1e-9, 1e3  # steps that are tried, in the metric
 GRAINS = 1e5  # that a step spans at least; a grain is what rounding leaves of a place
 COARSEST, COARSE, FINE = 64.0, 2.0, 1.02  # ratios of successive steps
-NOTABLE = 0.05  # part left, from which on steps are tried closely
 NEARLY = 0.4  # part left at a maximum that may lie higher between the steps tried
 BETWEEN = 16  # steps that are tried between two others
 AT_ONCE = 128  # steps that are planned at once
@@ -43,9 +42,7 @@ FLOW_NODES = 14  # fewer need more flows halved, more take longer
 ACCURACY = 1e-6  # relative, of the critical step
 EXACT = 1e-9  # part left by plans that are exact but for rounding
 RAYS = 20  # directions for each dimension, among which the least step is looked for
-SPARSE = 4  # of which one is tried on the coarsest scale
 TRIED = 24  # directions around the best one
-NARROWER = 0.5  # times as far apart once none of them is shorter
 WIDEST, NARROWEST = 0.6, 4e-3  # how far apart they are
 
 Left = Callable[[Array], Array]  # parts left of steps of given lengths, (steps,)
@@ -133,7 +130,7 @@ def least_critical_step(
     drawn = np.concatenate([np.eye(size), -np.eye(size), drawn])
     low = steps.shortest
     for found in _scale(low, LONGEST, COARSEST).tolist():
-        left = steps.left(found * rays(drawn[::SPARSE]))
+        left = steps.left(found * rays(drawn[::4]))  # few on this scale
         if left.max() > CONTRACTED:
             left = steps.left(found * rays(drawn))
             break
@@ -155,7 +152,7 @@ def least_critical_step(
             lowest = shorter * (1.0 - min(0.5, (2.0 * width) ** 2))
             found = steps.failing(rays(best), lowest, shorter)[1]
         else:
-            width *= NARROWER
+            width *= 0.5  # once none of them is shorter
     return steps.refined(rays(best), found / (1.0 + WIDEST**2), found)
 
 
@@ -188,7 +185,7 @@ class _Steps:
             return 0.0
         if (parts[:-1] < EXACT).all() and (not failed or self._is_exact):
             return inf
-        notable = np.maximum(parts[:-1], parts[1:]) > NOTABLE
+        notable = np.maximum(parts[:-1], parts[1:]) > 0.05  # are tried closely
         close = [
             _scale(low, high, FINE)[1:] if noted else np.array([high])
             for low, high, noted in zip(steps[:-1], steps[1:], notable, strict=True)

@@ -29,8 +29,6 @@ MOST_SEGMENTS = 100_000  # of one plan; so many take a minute and a gigabyte
 OFF_BOTTOM = 1e-6  # by which a path may miss the level sets, in their unit
 ROUNDED_OFF = 1e-9  # length that rounding may take from each step of a path
 TAIL = 1e-3  # part of inputs in the last terms of their series that needs a check
-NEARLY_SINGULAR = 1e-6  # least singular value over the largest; plans are played
-USELESS = 0.9  # part of the way that is missed by a plan of no use
 STILL = 1e-100  # extent of a segment whose parts have products that underflow
 MISSED = 0.2  # relative part of a velocity; resolved inputs miss a hundredth
 
@@ -181,13 +179,13 @@ def require_use(
     scaled = matrix if units is None else matrix * units
     singular = np.linalg.svd(scaled, compute_uv=False)
     least = singular[:, system.bottom_dimension - 1]
-    if not way or (least >= NEARLY_SINGULAR * singular[:, 0]).all():
+    if not way or (least >= 1e-6 * singular[:, 0]).all():  # no need to play
         return
     end = nominal[0]
     for flow in flows:
         end = flow_map(system, flow.field, end, flow.duration)
     missed = float(system.length(nominal[-1] - end) / way)
-    if missed > USELESS:
+    if missed > 0.9:  # part of the way, by a plan of no use
         worst = nominal[(least / singular[:, 0]).argmin()]
         facts = {"missed": 100 * missed, "place": point(worst)}
         raise PlannerError(message("nearly_singular", **facts))

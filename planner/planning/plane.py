@@ -27,7 +27,6 @@ STEERED = (0.0, 1.1, -1.1)  # values of the steered coordinate on the way to tha
 STEP = 0.25  # [rad] of the fastest heading in a step of it
 MOST_LAYERS = 200
 SUBSTEPS = 4  # of the integration in the search for it
-SAME_DIFFERENCE = 0.125  # [rad] of differences of headings that count as the same
 
 Way = tuple[tuple[float, float], ...]  # steered value; 1 forward, -1 backward
 
@@ -143,7 +142,7 @@ class Plane:
             good = np.flatnonzero(self._spread(after) <= ALIGNED)
             if good.size:
                 return self._followed(x, ways[good[0]], rate)
-            differences = self._differences(after) / SAME_DIFFERENCE
+            differences = self._differences(after) / 0.125  # [rad] are the same
             cells, fresh = np.round(differences).astype(np.int16), list[int]()
             for k, cell in enumerate(cells):
                 if cell.tobytes() not in seen:

@@ -36,6 +36,8 @@ def whole_file(path: Path | str, size: int = 0, new: bool = False) -> Iterator[P
         require_space(path.parent, size)
         yield part
         _flush(part)
+        if not new and path.exists():
+            shutil.copymode(path, part)
         try:
             (os.link if new else os.replace)(part, path)
         except PermissionError:  # as of a disk that has no links

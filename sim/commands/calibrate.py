@@ -24,10 +24,8 @@ from sim.templates import render
 
 BOARD_CHANNELS = range(16)
 MEGAHERTZ = 1e6  # [Hz]
-JOG = 20  # counts
 NONE = "-"
 MOST_MISTAKES = 100  # of a person at one question; a pipe may hold any number
-LONGEST_ANSWER = 200  # letters
 T = TypeVar("T")
 OUT = "calibration"  # the folder that files go to where none is named
 SKETCH, SCRIPT, PAGE, SHEET = "jog.ino", "bus.py", "index.html", "feet.svg"
@@ -73,7 +71,7 @@ def _prepare(
         RATE=f"{rate:.6f}",
         DIVIDER=description.board_divider(kind.command_rate),
         MIDDLE=kind.at_rate(rate).center,
-        JOG=JOG,
+        JOG=20,  # counts
     )
     rows = [(j, *map(degrees, marks(robot, j))) for j in robot.card.joints]
     page = render("calibration.html", title=f"Calibration of {robot}", rows=rows)
@@ -133,7 +131,7 @@ def _calibrated(
 ) -> Mapping[str, str]:
     """Ask for every servo that the card does not have, and write it at once."""
     card, number = robot.card, len(robot.card.joints)
-    file = robot.path.with_suffix(".toml")
+    file = robot.path.with_suffix(".toml").resolve()  # it may be a link
     known, pulse = dict(card.mounted), kind.signal == "pulse"
     board = description.parse_toml(robot.card_text).get("board", {})
     clock = card.board_clock if "clock" in board else None
@@ -158,10 +156,10 @@ def _calibrated(
         for joint, servo in _found(robot, kind, known, divider, ask):
             text = read_text(file)  # in which an owner may have written meanwhile
             there = description.parse_card(text, str(file))
-            others = {one.channel: name for name, one in there.mounted.items()}
-            if servo.channel in others:  # since it was asked for
-                what = f"channel {servo.channel} is that of {others[servo.channel]!r}"
-                raise UsageError(what, str(file), f"go on: {again()}")
+            taken = {one.channel: name for name, one in there.mounted.items()}
+            if other := taken.get(servo.channel):  # since it was asked for
+                facts = {"joint": joint, "other": other, "on": again()}
+                raise UsageError.of("other_channel", file, **facts)
             limits = there.joint_servos.get(joint, JointServo()).limits
             servos = {**there.joint_servos, joint: replace(servo, limits=limits)}
             if "clock" in description.parse_toml(text).get("board", {}):
@@ -246,7 +244,7 @@ class _Asker:
 
     def __init__(self, file: str | None) -> None:
         self._place = file or "standard input"  # which may have no end
-        self._lines = iter(lambda: sys.stdin.readline(LONGEST_ANSWER), "")
+        self._lines = iter(lambda: sys.stdin.readline(200), "")  # letters
         self._is_asked = not file and sys.stdin.isatty()  # a person, even again
         if file:
             try:
@@ -288,6 +286,8 @@ def _check(robot: Robot, kind: ServoKind, folder: RunFolder) -> Mapping[str, str
     if missing := [joint for joint in card.joints if joint not in card.mounted]:
         facts = {"joint": missing[0], "find": command("calibrate", robot.path)}
         raise UsageError.of("no_servo", "the robot's card", **facts)
+    if (folder.path / SHEET).exists():  # which has the rings of this robot's feet
+        _write(folder, SHEET, sheet(robot))
     pulse = kind.signal == "pulse"
     commands, facts = strokes(robot, kind.command_rate)
     table = servo_table(card, card.joints, kind, pulse, rate=kind.command_rate)

@@ -27,10 +27,6 @@ if TYPE_CHECKING:
 
 RATE = 50.0  # commands a second of a walk without a rate, as most hobby servos take
 IN_COMMANDS = "zero_offset", "command_delay"  # imperfections of servos that are
-ASSUMED = "mounting assumed: channels in the order of joints, senses +, centres alike"
-
-MIRRORED = "counts of servos of sign -1 fall as the angles of their joints grow"
-ON_PULSES = "its servos take pulses; ticks are 4096 a turn, whatever their pulses"
 
 
 def export(options: argparse.Namespace) -> ExitCode:
@@ -145,16 +141,16 @@ def _written(
         frames = f"{table.frame_rate:.4g} frames a second"
         cli.notice(f"counts of {options.servo_table} are taken as of {frames}")
     if given and any(servo.sign < 0 for servo in given.values()):
-        cli.notice(MIRRORED)
+        cli.notice(message("mirrored"))
     commands = source.commands(rate)
     write(out, kind, source, commands, table)
     if kind in ("header", "dynamixel") and table.assumed:
         named = source.run.scenario.robot
         own = Path(named).name if Path(options.scenario).is_dir() else named  # no copy
-        cli.notice(f"{ASSUMED}; {command('calibrate', own)} measures it")
+        cli.notice(message("assumed", on=command("calibrate", own)))
     made = source.servo.kind
     if kind == "dynamixel" and made and made.signal == "pulse" and given is None:
-        cli.notice(ON_PULSES)
+        cli.notice(message("on_pulses"))
     finest = max(channel.counts_per_radian for channel in table.channels)
     coarse = 1 / finest if kind in ("header", "dynamixel") else 0.0
     return commands, read(out, kind, table), coarse

@@ -47,8 +47,8 @@ def scenario_of(options: argparse.Namespace) -> "Scenario":
     scenario = load_scenario(source, overrides)
     *place, yaw = scenario.path.goal
     tell_radians("yaw", yaw)
-    for obstacle in scenario.obstacles:
-        tell_radians("yaw of an obstacle", dict(obstacle.given).get("yaw", 0.0))
+    for given in (dict[str, Any](each.given) for each in scenario.obstacles):
+        tell_radians("yaw of an obstacle", given.get("yaw", 0.0))
     if (far := hypot(*place)) > FAR:
         notice(f"x and y are in metres: the goal is {far:g} m away")
     return scenario

@@ -29,7 +29,6 @@ from sim.sweeps.ledger import software
 from sim.sweeps.table import write_table
 from sim.templates import render
 
-PRINTED = 5  # reasons of failed points, at most
 ADDRESS = r"((tcp|tls|ws)://)?([^/:]+|\[[^/]+\]):([1-9]\d{0,3}|[1-5]\d{4}|6[0-5]\d{3})"
 MOST_DESIGNS = 10**6  # some 7 hours; 8 legs have 144,088, 12 legs 259 million
 
@@ -96,7 +95,7 @@ def _print_result(
     options: argparse.Namespace, result: sweeping.Result, table: Path
 ) -> ExitCode:
     """Say what became of a sweep; the code that it ends with."""
-    shown = islice(result.reasons.items(), PRINTED)
+    shown = islice(result.reasons.items(), 5)
     on = command("study", table.parent)
     if SweepFolder(table.parent).table != table:
         on = f"once all parts are walked: {command('merge', table.parent)}"

@@ -132,8 +132,7 @@ class Phases:
             mean = float(like.looks.mean())
             ends = bisect(order, (mean - NEAR, 0)), bisect(order, (mean + NEAR, 0))
             near = sorted(i for _, i in order[slice(*ends)])
-            same = (i for i in near if self._same(alike[i], like))
-            number = next(same, len(alike))
+            number = next((i for i in near if self._same(alike[i], like)), len(alike))
             if number == len(alike):
                 alike.append(like)
                 insort(order, (mean, number))

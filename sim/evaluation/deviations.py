@@ -24,7 +24,6 @@ from sim.walking.finished import Walk
 
 SWAY = 0.25  # of the feet's distance from the middle
 LEAST_WAY = 0.01  # of that distance
-TRUSTED_MISS = 0.05  # of the path that a measured prediction may miss
 SHORTEST_WAY = 1e-6  # [m]; shares of a shorter one are rounding
 COMPARED = 1500  # poses that are compared with the path, evenly taken from all
 
@@ -227,6 +226,6 @@ def require_holding(
     if isinstance(twists := made(), IdentifiedTwists):
         fields = (f for f in twists.fields.values() if f.stratum in strata)
         off = max((field.off for field in fields), default=0.0)
-    if length and off * walk.distance > TRUSTED_MISS * length:
+    if length and off * walk.distance > 0.05 * length:  # of the path
         share = 100 * off * walk.distance / length
         raise MeasurementError(message("untrusted", share=share))

@@ -34,7 +34,6 @@ KINDS = get_type_hints(WalkedPhase) | {
 COLUMNS = ("index", *WalkedPhase._fields)
 LARGEST = 1e9  # number, and more segments than any walk has
 MOMENT = 1e-5  # of a second, and of the walk: models keep six digits of a timestep
-SHORTEST_PHASE = 0.5e-6  # [s]; a phase lasts a step of physics or more
 FARTHEST = 4 * pi  # [rad] that a joint of a leg moves in a phase
 
 
@@ -62,7 +61,7 @@ def read(text: str) -> tuple[WalkedPhase, ...]:
         raise ValueError(f"flows.csv has a number that is not below {LARGEST:g}")
     if strange := {p.kind for p in phases}.difference(get_args(Kind)):
         raise ValueError(f"flows.csv has a phase of kind {min(strange)[:20]!r}")
-    if any(p.end - p.start < SHORTEST_PHASE for p in phases):
+    if any(p.end - p.start < 0.5e-6 for p in phases):  # [s]; a step is longer
         raise ValueError("flows.csv has a phase that takes no time")
     moments = [moment for p in phases for moment in (p.start, p.end)]
     segments = [0, *(p.segment for p in phases)]

@@ -27,13 +27,11 @@ from sim.progress import Progress, silent
 
 SPAN = 0.25  # [rad] either side; loaded sweeps of the shipped walks stay within
 POSE_DEGREE = 6  # of the pose by the angle; the twist is of one degree less
-POSE_ROWS = 400  # poses read during a swing
 SPEED = 0.5  # [rad/s], at least
 ACCELERATION = 5.0  # [rad/s^2], at least
 HOLD = 0.5  # [s], at most; a robot has settled by then
 TOLERATED = 0.2  # of a stroke's motion; up to 0.12 measured on shipped robots
 LONGEST_STAND = 10.0  # [s], that creep is measured for
-STATIC = 3  # feet at most whose loads follow from the weight alone
 WAY_PARTS = 200  # parts of the way in which predictions are summed
 
 
@@ -105,7 +103,7 @@ def swing(setup: Setup, field: str, span: float) -> tuple[Array, Array, float]:
     schedule = scheduler.finish()
     check_effort(setup, schedule.stop)
     begin, steps = schedule.phases[-1].start, schedule.phases[-1].steps
-    commands, every = setup.commands(schedule), max(steps // POSE_ROWS, 1)
+    commands, every = setup.commands(schedule), max(steps // 400, 1)  # poses read
     recording = recorded(setup.model, setup.robot, commands, every, np.array([begin]))
     moments = recording.moments
     on_the_way = moments.at(recording.marks.sampled & (moments.step > begin))
@@ -254,4 +252,4 @@ def follows_commands(setup: Setup, name: str, strata: Collection[str]) -> bool:
     The quasi-static one is where no more than three feet stand at a time.
     """
     feet = max((setup.robot.planted(on).sum() for on in strata), default=0)
-    return name == "ideal" or (name == "quasi_static" and feet <= STATIC)
+    return name == "ideal" or (name == "quasi_static" and feet <= 3)  # static

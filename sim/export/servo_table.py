@@ -39,6 +39,11 @@ class Channel:
         """Counts of angles, not rounded."""
         return self.center + self.sign * self.counts_per_radian * (angle - self.offset)
 
+    def finer(self, times: float) -> "Channel":
+        """The same servo in counts of which as many times more make an angle."""
+        counts = times * self.counts_per_radian
+        return replace(self, center=times * self.center, counts_per_radian=counts)
+
     def angle(self, counts: Array) -> Array:
         """Angles of counts [rad]."""
         return self.offset + self.sign * (counts - self.center) / self.counts_per_radian
@@ -78,14 +83,7 @@ class ServoTable:
     def in_microseconds(self) -> "ServoTable":
         """The same servos, commanded by the length of pulses instead of counts."""
         length, longest = 1e6 / (FRAME * self.frame_rate), round(1e6 / self.frame_rate)
-        channels = tuple(
-            replace(
-                servo,
-                center=servo.center * length,
-                counts_per_radian=servo.counts_per_radian * length,
-            )
-            for servo in self.channels
-        )
+        channels = tuple(servo.finer(length) for servo in self.channels)
         return replace(self, channels=channels, largest=longest - 1, microseconds=True)
 
     def counts(self, commands: ServoCommands) -> Array:

@@ -231,8 +231,7 @@ class Feedback:
             reads[row, list(states)] = 1.0
         seeing = given[..., None] * reads  # a reading that is missing sees nothing
         off = np.where(given, off, 0.0)
-        variance = np.where(given, noise, 1.0)[..., None] ** 2
-        doubt = variance * np.eye(len(sums))
+        doubt = np.where(given, noise, 1.0)[..., None] ** 2 * np.eye(len(sums))
         if gated:
             doubt = self._gate(off, seeing, doubt, np.asarray(given.any(axis=-1)))
         spread = seeing @ self.covariance

@@ -15,7 +15,6 @@ from sim.palette import Style
 
 SEGMENTS_AROUND = 60
 SEMI_AXES = (5.0, 3.0)  # of the shape of the scenario `ellipse`
-TABLE_ROWS = 12
 WALKS = {"ellipse": Job("ellipse", cost=9)}
 
 
@@ -69,4 +68,4 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
 
 def _chosen(segments: int) -> Array:
     """Segments in the table, from 0, evenly spread."""
-    return np.linspace(0, segments, TABLE_ROWS + 1).round().astype(int)[1:] - 1
+    return np.linspace(0, segments, 13).round().astype(int)[1:] - 1

@@ -24,7 +24,6 @@ from sim.preparation.setup import Setup
 
 ROBOTS = ("hexapod", "hexapod-parallel", "quadruped")
 SWUNG = 0.5  # [rad], to either side
-SIDE = 5.0  # of the picture of a robot [inch]
 
 
 def paper(axes: Mapping[str, Axes]) -> Shown:
@@ -114,7 +113,7 @@ def save_standing(setup: Setup, pivots: Sequence[Array], path: Path) -> None:
     """
     robot, stance = setup.robot, setup.kinematics.standing
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(SIDE, SIDE), layout="constrained")
+        figure = Figure(figsize=(5.0, 5.0), layout="constrained")
         axes = figure.add_subplot(aspect="equal")
         strata = [s for s in dict.fromkeys(robot.card.gait) if s != robot.card.bottom]
         for number, name in enumerate(strata):

@@ -16,9 +16,7 @@ from planner.support import shipped_tables
 
 UNSEEN = 0.5  # of the spread of a direction that measurements leave
 PART = 0.25  # of a direction, from which on a parameter takes part in it
-MOST_ROUNDS = 15  # of Gauss and Newton at most
 SETTLED = 0.02  # of standard errors, and of chi square; less ends the search
-CLEARLY = 1.02  # times as much is left over by estimates that are not as good
 LENGTHS = np.array([1.0, 0.3, 0.05])  # of a step, of which the best is taken
 LEAST_NOISE = 1e-6  # [rad], [m]; no sensor has less, and what is exact can be inverted
 
@@ -136,7 +134,7 @@ def estimate(
     parameters: Sequence[Parameter],
     start: Array,
     guess: Array,
-    steps: int = MOST_ROUNDS,
+    steps: int = 15,
 ) -> Estimates:
     """Fit P problems by Gauss and Newton's method, each with steps that help it.
 
@@ -215,7 +213,7 @@ def led(
 def best_of(found: Sequence[Estimates]) -> Estimates:
     """Of each problem the first estimates, or others that leave over clearly less."""
     noises = np.stack([one.noise for one in found])
-    noises[1:] *= CLEARLY
+    noises[1:] *= 1.02  # which is clearly more
     least = noises.argmin(axis=0), np.arange(noises.shape[1])
     names = "value", "information", "noise"
     best = {name: np.stack([getattr(one, name) for one in found]) for name in names}

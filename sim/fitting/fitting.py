@@ -11,7 +11,8 @@ import reprlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import product
+from itertools import compress, product
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -30,12 +31,10 @@ from sim.folder import require_free, require_writable, whole
 from sim.logs.log import Log
 from sim.preparation.setup import Setup
 from sim.preparation.shared import built
-from sim.scenarios.declaration import LEAST, read
+from sim.scenarios.declaration import LEAST, is_number, read, refusal
 from sim.scenarios.settings import SETTINGS
 
-LONGEST_DELAY = 0.3  # [s]; delay that is looked for
 APART = 0.01  # [s]; delays that are tried
-DAMPINGS = (-0.7, 0.0, 0.7)  # logarithms of factors that are tried
 LOOSE = ((0.0, 0.01), (0.0, 0.01))  # [rad]; dead bands and backlash that are tried
 NARROWEST = 1e-5  # [rad]; a band that all joints have, so that all are built alike
 FITTED = 0.75  # of the rows of a log; the rest checks
@@ -44,8 +43,6 @@ MOST_ANGLES = 175 * 10**4  # of all logs; each takes a kilobyte, and 60 microsec
 MOST_WALKED = 650_000  # of a log that walks, of which each takes three kilobytes
 A_SECOND = 190  # angles take as much as the law of a joint does in a second
 LAST_FIT = re.compile(r"""[ \t]*\[[ \t]*(["']?)fitted\1[ \t]*[.\]]""")
-SHOWS = 2.0  # standard errors, below which backlash or delay is none
-ROUNDS = 3  # of walking on the floor, all but the first with servos as found
 Value = float | list[float]
 Fitted = Mapping[str, tuple[Value, Value]]  # settings, with standard errors
 
@@ -64,22 +61,22 @@ class JointFit:
     def settings(self, joints: Sequence[str], earlier: Mapping[str, Any]) -> Fitted:
         """Settings that were seen and their standard errors, for a robot's joints.
 
-        Joints that were not fitted keep what an earlier fit has found.
+        Joints of which nothing was seen keep what an earlier fit has found.
         """
         found: dict[str, tuple[Value, Value]] = {}
         before = earlier, earlier.get("errors")
         for k, parameter in enumerate(self.make.parameters):
             number, off = self.make.of(k)
-            none = parameter.low == 0 and number < max(SHOWS * off, LEAST)
+            none = parameter.low == 0 and number < max(2.0 * off, LEAST)  # not shown
             if self.make.seen[0, k]:
                 found[parameter.setting] = 0.0 if none else number, off
         for k, parameter in enumerate(self.own.parameters):
             if (seen := self.own.seen[:, k]).any():
                 both = np.array([self.own.value[:, k], self.own.error[:, k]])
-                both[:, ~seen | (np.abs(both[0]) < LEAST)] = 0.0
+                both[:, np.abs(both[0]) < LEAST] = 0.0
                 known = [_list(table, parameter.setting, joints) for table in before]
                 for row, numbers in zip(known, both.tolist(), strict=True):
-                    row |= zip(self.joints, numbers, strict=True)
+                    row |= compress(zip(self.joints, numbers, strict=True), seen)
                 value, error = ([row[joint] for joint in joints] for row in known)
                 found[parameter.setting] = value, error
         return found
@@ -89,7 +86,10 @@ def _list(table: object, key: str, joints: Sequence[str]) -> dict[str, float]:
     """What a table's list has of joints, 0 without one."""
     given: Any = table.get(key) if isinstance(table, Mapping) else None
     whole = isinstance(given, list) and len(given) == len(joints)
-    return dict(zip(joints, given if whole else [0.0] * len(joints), strict=True))
+    numbers = given if whole else [0.0] * len(joints)
+    if not all(is_number(number) and isfinite(number) for number in numbers):
+        raise refusal(given, "numbers", "[fitted] of the robot's card", key)
+    return dict(zip(joints, numbers, strict=True))
 
 
 def fit_joints(setup: Setup, logs: Sequence[Log], walking: bool) -> JointFit:
@@ -99,7 +99,7 @@ def fit_joints(setup: Setup, logs: Sequence[Log], walking: bool) -> JointFit:
     """
     start = servos(*known_servos(setup, logs[0]))
     model, whole = setup.as_planned.model, start
-    for _ in range(ROUNDS if walking else 1):
+    for _ in range(3 if walking else 1):  # all but the first with servos as found
         loaded = [
             on_floor(setup, model, log, whole) if walking else on_stand(setup, log)
             for log in logs
@@ -188,14 +188,14 @@ def fit_servos(
 
 def _scanned(commanded: Commanded, rows: Array, measured: Array, start: Array) -> Array:
     """Best servos of a grid, with backlash and without, the better first, (2, P, 6)."""
-    grid = [*product(DAMPINGS, *LOOSE)]
+    grid = [*product((-0.7, 0.0, 0.7), *LOOSE)]  # logarithms of factors
     tried = np.tile(start, (len(grid), 1, 1))
     tried[..., 1:4] += np.array(grid)[:, None]
     both, all_least = np.stack([start, start]), np.full((2, len(start)), np.inf)
     answers = commanded.answers(tried, rows)
     for servo, found, (*_, slack) in zip(tried, answers, grid, strict=True):
         best, least = both[int(slack > 0)], all_least[int(slack > 0)]
-        for delay in np.arange(0.0, LONGEST_DELAY, APART):
+        for delay in np.arange(0.0, 0.3, APART):  # [s]
             late = [np.interp(rows - delay, rows, angle) for angle in found.T]
             off = measured - np.stack(late, axis=1)
             left, zero = np.nanvar(off, axis=0), np.nanmean(off, axis=0)

@@ -28,8 +28,6 @@ SERVO = parameters_of("servo")
 MAKE = (0, 1, 3, 5)  # parameters of a make
 OWN = (2, 4)  # dead band and zero, a servo's own
 ALIKE = [0, 1, 3]  # of a make: stiffness, damping and delay, which can look the same
-SOFTER = 2.0 ** np.arange(-1, 7)  # parts of a stiffness, at which a search begins
-MOST_TURNS = 8  # of a search
 LONGEST_STEP = 2.0  # of logarithms; others are far shorter
 PARTS = np.array([0.0, 1.0, 0.3, 0.1, 0.03])  # of a step, of which the best is taken
 AS_LIKELY = 10.0  # logarithms of likelihoods that are closer tell no makes apart
@@ -72,7 +70,7 @@ def _guesses(inertia: Array, each: Estimates) -> Iterator[Array]:
     whole = each.value.copy()
     whole[:, MAKE] = np.median(each.value[:, MAKE], axis=0)
     (k, d), delay, moment = np.exp(whole[0, :2]), whole[0, 5], float(np.median(inertia))
-    for softer in SOFTER:
+    for softer in 2.0 ** np.arange(-1, 7):  # parts of a stiffness
         square = 2 * moment / k * (softer - 1) + (d / k) ** 2
         lag = sqrt(max(square, 0.0))
         if 0 < lag <= d / k + delay:
@@ -88,7 +86,7 @@ def _searched(
     """How unlikely servos of one make are, each alone, and all, by Gauss and Newton."""
     low, spread = np.array([(p.low, p.spread) for p in SERVO]).T
     whole = np.maximum(guess, low)
-    for _ in range(MOST_TURNS):
+    for _ in range(8):
         ways = [
             led(partial(c.answers, rows=rows), seen, SERVO, start, whole, MAKE)
             for c, rows, seen in told

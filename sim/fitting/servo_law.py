@@ -29,7 +29,6 @@ from sim.world.servos import Channels
 
 NOTHING = 1e-300  # beside angles [rad]
 LAW_STEP = 0.004  # [s] of the law, which is solved exactly in between
-KNOTS = 10  # steps from one evaluation of weights to the next
 GOING = 1.0  # [s] in which the robot goes from its start to the log's first row
 LIGHTEST, LAG = 1e-7, 1e-3  # [kg m^2], [s] by which servos without damping brake
 NEAR_RATE = 1.02  # ratio of rates of rows and of commands, below which these are those
@@ -112,7 +111,7 @@ def on_stand(setup: Setup, log: Log) -> Commanded:
     places = [int(model.joint(j).qposadr[0]) for j in log.joints]
     dofs = _dofs(model, log)
     time = np.arange(int(log.duration / LAW_STEP) + 1) * LAW_STEP
-    knots = np.append(time[::KNOTS], log.duration)
+    knots = np.append(time[::10], log.duration)
     weights, all_forces = np.empty((len(knots), len(log.joints))), np.empty(model.nv)
     for knot, angles in enumerate(log.at(knots)):
         data.qpos[places] = angles
@@ -136,10 +135,8 @@ def on_floor(setup: Setup, model: mujoco.MjModel, log: Log, servos: Array) -> Co
     rest = model.key("start").ctrl[actuators]
     part = np.clip((time + GOING + SETTLING) / GOING, 0, 1)[:, None]
     part = part * part * (3 - 2 * part)
-    asked = _asked(setup, log, time) + servos[:, 4]
-    told = rest + part * (asked - rest)
-    named = dict(zip(log.joints, told.T, strict=True))
-    rows = Channels(setup.robot, model).ctrl(named)
+    told = rest + part * (_asked(setup, log, time) + servos[:, 4] - rest)
+    rows = Channels(setup.robot, model).ctrl(dict(zip(log.joints, told.T, strict=True)))
     engine = Engine(model)
     pieces = range(0, len(rows), STRETCH)
     records = [engine.advance(rows[i : i + STRETCH]) for i in pieces]

@@ -18,10 +18,8 @@ from sim.logs.log import BODY, Log
 from sim.motion.poses import relative, rotate, seen_from, wrap
 
 TURNED_FRAME = radians(5)  # from which on a frame is taken to be turned
-WAY_PIECES = 20  # of the way, over which directions are compared
 MOVED_ENOUGH = 0.01  # [m] in all, without which nothing is known of directions
 COLUMNS = (*BODY["pose"], *BODY["lean"])
-SAME_COMMAND = radians(1)  # by which commands of trials may differ
 
 
 @dataclass(frozen=True)
@@ -58,7 +56,7 @@ def together(logs: Sequence[Log]) -> Log:
             raise ValueError(f"trial {number} commands other joints than the first")
         both = first.time <= log.time[-1]  # it may have ended before
         apart = ordered(log, first.joints).at(first.time) - first.commanded
-        if (off := float(np.abs(apart[both]).max(initial=0))) > SAME_COMMAND:
+        if (off := float(np.abs(apart[both]).max(initial=0))) > radians(1):
             other = f"commands of trial {number} differ by up to {degrees(off):.2g}"
             done.append(f"{other} degrees; those of the first are played")
         done += (f"trial {number}, {gap}" for gap in _gaps(log))
@@ -121,7 +119,7 @@ def measured(log: Log, time: Array, predicted: Array) -> Measured | None:
 
 def _turned(pose: Array, predicted: Array) -> float:
     """Angle from the prediction's directions of motion to the measured ones [rad]."""
-    rows = np.linspace(0, len(pose) - 1, WAY_PIECES + 1).round().astype(int)
+    rows = np.linspace(0, len(pose) - 1, 21).round().astype(int)  # 20 pieces
     ways = [relative(p[rows[:-1]], p[rows[1:]])[:, :2] for p in (predicted, pose)]
     one, other = (way[:, 0] + 1j * way[:, 1] for way in ways)
     if min(np.abs(one).sum(), np.abs(other).sum()) < MOVED_ENOUGH:

@@ -202,8 +202,7 @@ def _log(
     _check_time(time := columns.pop(TIME))
     contacts = {leg: f"{CONTACT}{leg}" for leg in legs}
     turning = (*joints, *(MEASURED + joint for joint in joints), *ANGLES)
-    known = (*turning, *chain(*BODY.values()), *contacts.values())
-    require_joints([*columns], known)
+    require_joints([*columns], [*turning, *chain(*BODY.values()), *contacts.values()])
     columns = {k: v for k, v in columns.items() if k in joints or np.isfinite(v).any()}
     commanded = tuple(name for name in columns if name in joints)
     if not commanded:

@@ -111,8 +111,7 @@ class Motion:
             [of_joint.get(card.legs[leg].swing, 0.0) for leg in group.legs]
             for group in card.groups.values()
         ]
-        direction = tuple(sum(own) / len(own) for own in swung)
-        known = kind, self._name(feet), direction
+        known = kind, self._name(feet), tuple(sum(own) / len(own) for own in swung)
         return Phase(*known, 1.0, start, stop - start, segment=0, feet=feet)
 
     def _name(self, feet: tuple[bool, ...]) -> str:

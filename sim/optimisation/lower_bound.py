@@ -130,8 +130,7 @@ def _headings(curve: Curve, span: tuple[float, float], count: int | None) -> Arr
     low, high = span[0] - curve.headings.max(), span[1] - curve.headings.min()
     high = min(high, low + 2 * pi) if np.isfinite(low) else pi
     low = low if np.isfinite(low) else -pi
-    most = min(200, 2 + int((high - low) / HEADINGS))
-    return np.linspace(low, high, count or most)
+    return np.linspace(low, high, count or min(200, 2 + int((high - low) / HEADINGS)))
 
 
 def _visits(

@@ -93,8 +93,7 @@ def body_corners(model: mujoco.MjModel, root: int) -> Array:
     if not corners:
         above = model.body_parentid[model.jnt_bodyid]
         corners = [data.xanchor[model.body_weldid[above] == root]]
-    turn = data.xmat[root].reshape(3, 3)
-    return (np.concatenate(corners) - data.xpos[root]) @ turn
+    return (np.concatenate(corners) - data.xpos[root]) @ data.xmat[root].reshape(3, 3)
 
 
 def decor(

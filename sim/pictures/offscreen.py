@@ -31,7 +31,6 @@ PALER = 0.5  # of the torso, through which the floor and lines on it are seen
 LAYER = 0.0005  # thickness of a mark [reach of the robot]
 SHEETS = 64  # of a layer; shapes that overlap lie on different ones, or are lit twice
 DUSK = 4.0  # below the horizon [degrees], where the floor may end
-NEAREST = 0.2  # [extent]; nothing is closer to the camera, and depth is the finer
 PREFIX = "film: "  # of names, against those of the robot
 FLOOR = f"{PREFIX}floor"
 RIM, AHEAD = 2, 0.14  # width of lines [pixels]; of the word in front [body's width]
@@ -223,7 +222,7 @@ def build(walk: Run, marks: Sequence[Mark], look: Look) -> mujoco.MjModel:
     visual.global_.fovy = FIELD_OF_VIEW
     visual.quality.offsamples, visual.quality.shadowsize = look.samples, 2048
     visual.quality.numslices, visual.quality.numstacks = look.slices, look.slices // 2
-    visual.map.znear = NEAREST
+    visual.map.znear = 0.2  # nothing is closer to the camera; depth is the finer
     spec.stat.extent = 2.5 * walk.reach  # over which the shadows' texels are spread
     model = spec.compile()
     plate = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_GEOM, NOSE)

@@ -33,7 +33,6 @@ from sim.planning import open_loop
 from sim.preparation.scheduling import scheduled
 from sim.preparation.setup import Setup
 
-JUST_BEYOND = 1e-9  # [rad], a joint range that a steered plan leaves
 NOMINAL_SAMPLES = 400  # of the nominal path, spread over its segments
 Steps = dict[tuple[object, ...], Step]  # by where they begin, and what they aim at
 FINEST_SEGMENT = 1e-3  # of the path; shorter segments would not be followed either
@@ -118,7 +117,7 @@ def _reach(setup: Setup) -> Slack:
         np.minimum.at(walking, segment, np.minimum(high - angle, angle - low))
         standing = min(standing, high, -low)
     if walking.min() >= 0:  # only the steered plan leaves the range; divide its worst
-        walking[walking.argmin()] = -JUST_BEYOND
+        walking[walking.argmin()] = -1e-9  # [rad], just beyond
     return Slack("joint range", 0.0, np.full(len(walking), standing), walking, law=1.0)
 
 
@@ -173,8 +172,7 @@ def foresee(
     for segment in range(segments):
         tick()
         target = open_loop.segment_target(setup, segment)
-        final = segment + 1 == segments
-        asked = pose.tobytes(), swing, target.tobytes(), final
+        asked = pose.tobytes(), swing, target.tobytes(), segment + 1 == segments
         step = known.get(asked) or open_loop.plan_segment(setup, segment, pose, swing)
         known[asked] = step
         schedule = scheduled(setup, step.plan.segments(), legs, segment)

@@ -35,13 +35,9 @@ from sim.experiments.identification import twist_model
 from sim.motion.poses import compose, relative, wrap
 from sim.preparation.setup import Setup
 
-ROUGH_ROUNDS = 3  # tell about where a plan comes too near to its bounds
 AIMING_ROUNDS = 12  # each at least halves the error, unless the prediction jumps
 MET_WITHIN = 1e-7  # [m] and [rad]
-PLAIN_ROUNDS = 4  # as many as most walks need; extrapolated from then on
 TOLERATED_JUMP = 0.1  # tolerated error of a segment's end, as a part of its length
-MOST_COUNTS = 4  # that are tried as one, for legs of other gains
-ON_COUNT = 0.02  # counts, by which a leg may be off
 RANGE_ROUNDING = 1e-9  # [rad], beyond the joint range
 
 
@@ -139,8 +135,8 @@ def _count(setup: Setup, group: int, angle: float) -> float:
     legs = np.flatnonzero(robot.group_of_leg == group)
     gain = max(robot.swing_gain[legs], key=abs)
     gains = np.abs(robot.swing_gain[legs] / gain)
-    for counts in range(1, MOST_COUNTS + 1):  # of the fastest, at which all are on some
-        if np.abs(counts * gains - np.round(counts * gains)).max() < ON_COUNT:
+    for counts in range(1, 5):  # of the fastest, at which all are on some
+        if np.abs(counts * gains - np.round(counts * gains)).max() < 0.02:  # counts
             resolution *= counts
             break
     low, high = setup.equations.limits[f"phi_{robot.groups[group]}"]
@@ -190,7 +186,7 @@ def steer_along(setup: Setup, twists: TwistModel) -> Iterator[Plan]:
             if best is None or least <= tolerable:
                 raise
             break  # the aims diverge
-        if len(tried) == ROUGH_ROUNDS - 1:
+        if len(tried) == 2:  # the third tells where it is too near to its bounds
             yield planned
         ends = segment_ends(setup, planned, twists)
         misses = np.abs(ends - goals).max(axis=1)
@@ -200,7 +196,7 @@ def steer_along(setup: Setup, twists: TwistModel) -> Iterator[Plan]:
             break
         tried.append(aims)
         corrected.append(compose(aims, relative(relative(ends[:-1], ends[1:]), wanted)))
-        plain = len(tried) <= PLAIN_ROUNDS
+        plain = len(tried) <= 4  # as many as most walks need; extrapolated from then on
         aims = corrected[-1] if plain else _extrapolated(tried, corrected)
     if best is None or least > tolerable:
         raise unaimed(setup, f"segment {worst} of {len(wanted)}", float(least))

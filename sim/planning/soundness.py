@@ -49,8 +49,7 @@ def _refuse_tipping(setup: Setup, schedule: Schedule, rows: Array) -> None:
     if (margin := found.margin[worst]) < -1e-6:  # [m], beyond rounding
         stratum = schedule.phases[found.phase[worst]].stratum
         where = f"its margin on S{stratum} is predicted as {1e3 * margin:.1f} mm"
-        what = f"the plan tips the robot over: {where}"
-        raise _refusal(what, setup, rows[worst])
+        raise _refusal(f"the plan tips the robot over: {where}", setup, rows[worst])
 
 
 def _refuse_collisions(setup: Setup, swing: Array, lift: Array, rows: Array) -> None:

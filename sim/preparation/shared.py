@@ -63,16 +63,14 @@ class Shared:
         except ModelError as error:
             if not geometry:
                 raise
-            remedy = "give what a robot can have"
-            raise UsageError.at("geometry", error, remedy) from error
+            raise UsageError.at("geometry", error, "give what a robot has") from error
 
 
 def world_cache(scenario: Scenario, robot: Robot, shared: Shared | None) -> Cache:
     """Caches a world and what is measured in it, whatever is walked there."""
     if shared is None or scenario.bumps:  # which lie along the way
         return no_cache
-    key = robot, scenario.key(*WORLD)
-    return lambda kind, make: shared.cached(kind, key, make)
+    return lambda kind, make: shared.cached(kind, (robot, scenario.key(*WORLD)), make)
 
 
 def built(robot: Robot, scenario: Scenario) -> tuple[World, mujoco.MjModel]:

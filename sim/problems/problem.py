@@ -17,10 +17,8 @@ from sim.errors import SimulationError, StratawalkError
 
 NO_SHORTER = "no shorter plan was found"
 FAR_OFF = 0.05  # of the way; where a plan ends farther off, changes are tried
-LEFT_BY_HELP = 0.5  # of what the plan misses, that a change may leave
 ENOUGH = 3  # changes that end near the goal
 TRIAL_TIME = 30.0  # [s]
-TIMES_FINER = (4, 16)  # as many segments
 
 Offer = tuple[str, Callable[[], float]]  # a change in words, and what is missed then
 
@@ -140,7 +138,7 @@ class Problem(ABC):
             yield offer("--words symmetric", words="symmetric")
         degree = self.extended.steering.degree + 1
         yield offer(f"--degree {degree}", degree)
-        for count in (times * self.segments for times in TIMES_FINER):
+        for count in (times * self.segments for times in (4, 16)):  # finer
             yield offer(f"--segments {count}", segments=count)
         if not self.replan:
             yield offer("--replan", replan=True)
@@ -183,7 +181,7 @@ def tried(offers: Iterable[Offer], miss: float, seconds: float) -> Trials:
             break
         except (planner.PlannerError, StratawalkError, ValueError):
             reached = math.inf  # no plan at all
-        if reached <= LEFT_BY_HELP * miss and reached < math.inf:
+        if reached <= 0.5 * miss and reached < math.inf:  # a change that helps
             found[change] = reached
         else:
             useless.append(change)

@@ -19,9 +19,7 @@ from planner.planning import chained_form, set_down
 from sim.errors import UsageError
 from sim.problems.problem import Problem
 
-LEAST_TOLERANCE = 0.01  # in sizes of the path, where the stratified plan deviates less
 PLAN_TIME = 300.0  # [s]
-HOPS = 20  # from the best plan of each window
 PATH_POINTS = 1001  # that a plan's deviation is measured from
 OBJECTIVES: tuple[optimisation.Objective, ...] = get_args(optimisation.Objective)
 
@@ -100,7 +98,7 @@ class SystemProblem(Problem):
         (objective,) = (known for known in OBJECTIVES if known == self.objective)
         criterion = optimisation.Criterion(objective, duration)
         asked = self._task, criterion, self.extended, self.problem.path, self.segments
-        return optimisation.Optimiser(*asked, execution=Execution(), hops=HOPS).plan()
+        return optimisation.Optimiser(*asked, execution=Execution(), hops=20).plan()
 
     @cached_property
     def _task(self) -> optimisation.Task:
@@ -131,7 +129,7 @@ class SystemProblem(Problem):
         points = self.problem.path.at(np.linspace(0.0, 1.0, PATH_POINTS))
         states = rollout(self.stratified, optimisation.FLOW_SAMPLES)
         found = optimisation.deviation(states, points, groups)
-        least = LEAST_TOLERANCE * float(np.abs(points - points[0]).max())
+        least = 0.01 * float(np.abs(points - points[0]).max())  # of its size
         return tuple(
             optimisation.Tolerance(
                 tuple(group), inf if group[0] in freed else max(most, least)

@@ -26,6 +26,7 @@ from sim.templates import render
 
 FINER = 1  # digits, by which errors of several runs are told apart
 IGNORED = ("name", "description")
+PLAYED = ("robot/", "motion.csv")  # beginnings of names of files that are walked
 
 
 @dataclass(frozen=True)
@@ -47,9 +48,7 @@ def compare(runs: Sequence[Run]) -> Comparison:
     rows = [(k, *(s.get(k, "not set") for s in settings)) for k in keys]
     same = [row[:2] for row in rows if len(set(row[1:])) == 1]
     seals = [run.summary.seals or {} for run in runs]  # of the robot's files, too
-    files = (
-        k for k in seals[0] if k.startswith("robot/") and all(k in s for s in seals)
-    )
+    files = (k for k in seals[0] if k.startswith(PLAYED) and all(k in s for s in seals))
     rows += [(k, *(f"sealed {s[k]}" for s in seals)) for k in files]
     differing = [row for row in rows if len(set(row[1:])) > 1]
     return Comparison(
@@ -78,10 +77,10 @@ def page(compared: Comparison, progress: Progress = silent) -> str:
 
 def names(runs: Sequence[Run]) -> list[str]:
     """Names of the runs: their folders, with more of the path where two are alike."""
-    short = [run.title for run in runs]
-    if len(set(short)) == len(short):
-        return short
-    return [f"{run.folder.parent.name}/{run.title}" for run in runs]
+    folders, last = [run.folder.parts for run in runs], 1
+    while len({parts[-last:] for parts in folders}) < len({*folders}):
+        last += 1
+    return ["/".join(parts[-last:]).lstrip("/") for parts in folders]
 
 
 def _results(runs: Sequence[Run]) -> Iterator[tuple[str, ...]]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
+from models.description import one_make
 from planner.support import did_you_mean
 from sim.errors import UsageError
 from sim.scenarios.body_path import NominalPath
@@ -55,6 +56,8 @@ class Scenario(Settings):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.servo:
+            object.__setattr__(self, "servo", one_make(self.servo))
         for name in self.known if isinstance(self.known, tuple) else ():
             if name not in IMPERFECTIONS:
                 facts = {"name": name, "near": did_you_mean(name, IMPERFECTIONS)}
@@ -155,15 +158,14 @@ def _fitted(scenario: Scenario, robot: "Robot") -> Scenario:
     found: dict[str, Any] = {}
     own = robot.card.servo.made if robot.card.servo else ""
     make = own if scenario.servo in (None, "own") else scenario.servo
-    other = (make or "ideal").lower() != robot.card.fitted.get("servo", own or "ideal")
+    other = (make or "ideal") != robot.card.fitted.get("servo", own or "ideal")
     if robot.card.fitted.get("joints", joints := [*robot.card.joints]) != joints:
         raise UsageError.of("fitted_joints", card)
     for key, value in robot.card.fitted.items():
         if key not in known:
             raise UsageError.of("fitted", card, key=key, near=did_you_mean(key, known))
-        if other and key in OF_SERVOS:
-            continue
-        if key in FITTED and scenario.leaves(key):
+        of_other = other and key in OF_SERVOS
+        if key in FITTED and not of_other and scenario.leaves(key):
             kind, allowed = SETTINGS[key].kind, SETTINGS[key].allowed
             found[key] = accept(value, kind, allowed, card, key)
     return replace(scenario, **found) if found else scenario

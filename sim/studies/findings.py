@@ -14,6 +14,7 @@ from math import prod
 import numpy as np
 
 from planner import Array
+from sim.errors import message
 from sim.scenarios.predictions import PREDICTIONS
 from sim.studies.results import FELL, Results
 from sim.templates import render
@@ -21,11 +22,7 @@ from sim.templates import render
 SEPARATE = 12  # values, of which each is a group of its own
 BINS = (4, 24)  # groups of neighbouring values otherwise, at least and at most
 EACH = 12  # points that a group should have
-ROUNDING_SHARE = 1e-9  # of the path; smaller shares are rounding
-PRINTED_REASONS = 5
 NUMBER = re.compile(r"(?<![\w-])-?\d[\d.e-]*")  # in which alone many reasons differ
-VARIANCES = "100% is all that differs: in log distance, in being lost (fell, no walk)"
-ALONE = "only one setting varies, so there is nothing to divide among several"
 
 
 def explained(values: Sequence[object], results: Array, exact: bool) -> float | None:
@@ -113,7 +110,7 @@ def _left(shares: Sequence[float | None]) -> float | None:
 def findings(results: Results) -> Findings:
     """What the table of a sweep says."""
     lost = (results.classes >= FELL).astype(float)
-    off = np.log10(np.maximum(results.off, ROUNDING_SHARE))
+    off = np.log10(np.maximum(results.off, 1e-9))  # of the path; less is rounding
     off[results.classes >= FELL] = np.nan
     columns = [(key, results.columns[key]) for key in results.keys]
     places = [group(values, separate=True).tolist() for _, values in columns]
@@ -124,7 +121,7 @@ def findings(results: Results) -> Findings:
     asked = prod(len(v) for v in values if isinstance(v, list))
     grown = "these" if asked > len(results) else "this full grid of"
     how = f"exact for {grown}" if whole else "estimated from"
-    method = f"{VARIANCES}; {how} {known} points" if columns[1:] else ALONE
+    method = message("variances" if columns[1:] else "alone", how=f"{how} {known}")
     alone = {
         key: Explained(explained(values, off, whole), explained(values, lost, grid))
         for key, values in columns
@@ -135,7 +132,7 @@ def findings(results: Results) -> Findings:
         prediction=results.prediction,
         classes=results.counts,
         explained=alone,
-        reasons=dict(Counter(whys).most_common(PRINTED_REASONS)),
+        reasons=dict(Counter(whys).most_common(5)),
         verdicts={"arrived": 0, **Counter(str(word) for word in words if word)},
         method="; ".join([method, *results.notes]),
         together=Explained(

@@ -148,8 +148,7 @@ def _walked(results: Results) -> str:
     """A name for the scenario of a sweep; shipped ones may have been changed since."""
     known, table = shipped_scenarios(), results.asked.get("scenario", {})
     name = str(table.get("name"))
-    same = name in known and scenario_table(name)[0] == table
-    return name if same else UNSHIPPED
+    return name if name in known and scenario_table(name)[0] == table else UNSHIPPED
 
 
 def _draw_map(axes: "Axes", results: Results, across: str, up: str) -> None:
@@ -231,8 +230,7 @@ def _place(axes: "Axes", results: Results, key: str, way: str) -> list[float]:
         longest = max(map(len, labels))
         if way == "x" and len(labels) * longest > ACROSS:
             axes.tick_params(axis="x", rotation=90)
-            height = SHEET_HEIGHT + LETTER * longest
-            cast("Figure", axes.figure).set_figheight(height)
+            cast("Figure", axes.figure).set_figheight(SHEET_HEIGHT + LETTER * longest)
         return [float(labels.index(_label(value))) for value in values]
     numbers = np.array(values, dtype=float)
     if numbers.min() > 0 and numbers.max() > 20 * numbers.min():

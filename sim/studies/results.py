@@ -16,7 +16,7 @@ import numpy as np
 
 from planner import Array
 from planner.support import did_you_mean
-from sim.errors import UsageError
+from sim.errors import UsageError, message
 from sim.evaluation.verdict import Word
 from sim.scenarios.declaration import refusal
 from sim.scenarios.predictions import PREDICTIONS
@@ -31,8 +31,6 @@ FURTHER = ("beyond", "fell", "no walk")  # classes, after those of the limits
 FELL, NO_WALK = 4, 5
 JUDGE = "weighed.prediction"  # column of what verdicts are by
 UNJUDGED = "quasi_static"  # what walks of a table without verdicts are compared with
-MIXED = "points of other sweeps or software are among these (--force-mix)"
-HURRIED = "searches for plans were cut short at {} points (column hurried)"
 THIRDS = (1 / 3, 2 / 3, 1.0)  # of the points, above which the fitted limits are
 STEPS = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0)
 ROUND = np.outer(10.0 ** np.arange(-9, 4), STEPS).ravel()
@@ -101,7 +99,9 @@ class Results:
     def notes(self) -> list[str]:
         """What a reader should know of how its points were made."""
         cut = self.columns.get("hurried", []).count(True)
-        return [MIXED] * self.mixed + [HURRIED.format(cut)] * (cut > 0)
+        return [message("from_others")] * self.mixed + [
+            message("hurried", count=cut)
+        ] * (cut > 0)
 
     @property
     def label(self) -> str:

@@ -17,15 +17,8 @@ import numpy as np
 
 from planner.support import did_you_mean
 from sim.errors import UsageError
+from sim.scenarios import file as scenarios
 from sim.scenarios.declaration import is_number, require_keys
-from sim.scenarios.file import (
-    anchor,
-    find,
-    read_toml,
-    scenario_from,
-    scenario_table,
-    tell_of_run,
-)
 from sim.scenarios.scenario import Scenario
 from sim.scenarios.settings import SETTINGS
 
@@ -37,6 +30,7 @@ LINEAR, LOGARITHMIC = "linear", "log"
 LAST_END = 1e100  # between ends beyond it there may be no numbers
 OF_SOBOL = {"points", "seed"}  # which are no settings there
 MOST_POINTS = 50_000  # of a sweep; checking them takes some ten seconds
+LONGEST_KEY = 200  # letters
 MOST_KEYS = 100  # of a sweep; of so many points they take half a gigabyte
 WHOLE = {name for name, item in SETTINGS.items() if item.includes(int)}
 STUDIES = Path(str(files("sim.studies")))
@@ -81,16 +75,18 @@ class Sweep:
     def at(self, point: int) -> Scenario:
         """The scenario of a point."""
         place = f"point {point} of sweep {self.name!r}"
-        return scenario_from(self.scenario, {**self.fixed, **self.varied(point)}, place)
+        return scenarios.scenario_from(
+            self.scenario, {**self.fixed, **self.varied(point)}, place
+        )
 
 
 def read_sweep(source: str) -> Sweep:
     """Read a sweep's file, or a shipped study by its name."""
-    path = find(source, STUDIES, "sweep", "FILE.toml", "give a file")
-    table = read_toml(path)
+    path = scenarios.find(source, STUDIES, "sweep", "FILE.toml", "give a file")
+    table = scenarios.read_toml(path)
     scenario = _scenario(table, path)
     fixed = dict(flat(_inner(table, "set")))
-    anchor(fixed, path.parent)
+    scenarios.anchor(fixed, path.parent)
     tables = (_inner(table, name) for name in ("set", "grid", "list", "sobol"))
     times = Counter(key for inner in tables for key, _ in flat(inner))
     times.subtract(_inner(table, "sobol").keys() & OF_SOBOL)
@@ -107,7 +103,7 @@ def read_sweep(source: str) -> Sweep:
     made += [sobol_block(inner)] if (inner := _inner(table, "sobol")) else []
     blocks = tuple(_anchored(block, path.parent) for block in made)
     if "robot" in times:
-        tell_of_run(path.parent / str(table.get("scenario", "")))
+        scenarios.tell_of_run(path.parent / str(table.get("scenario", "")))
     keep = _run_folders(_inner(table, "keep"), _count(blocks))
     without = left_out(table.get("without", []))
     return Sweep(path.stem, scenario, fixed, blocks, without, *keep)
@@ -133,7 +129,7 @@ def _scenario(table: Table, path: Path) -> Table:
         if not {"path", "motion"} & own.keys():
             raise UsageError("no scenario is named", str(path), remedy)
         own = {"name": path.stem, **own}
-        anchor(own, path.parent)
+        scenarios.anchor(own, path.parent)
         return own
     for key in own:
         if key in SETTINGS:
@@ -142,7 +138,9 @@ def _scenario(table: Table, path: Path) -> Table:
     if not isinstance(named, str):
         raise UsageError(f"scenario = {named!r} is no name", str(path), remedy)
     at = (path.parent / named).absolute()  # names that are shipped have no dot or slash
-    return scenario_table(str(at) if {*"./"} & {*named} and at.is_file() else named)[0]
+    return scenarios.scenario_table(
+        str(at) if {*"./"} & {*named} and at.is_file() else named
+    )[0]
 
 
 def _inner(table: Table, key: str) -> Table:
@@ -157,7 +155,7 @@ def _anchored(block: Block, folder: Path) -> Block:
     keys, choices = block
     rows = [dict(zip(keys, choice, strict=True)) for choice in choices]
     for values in rows:
-        anchor(values, folder)
+        scenarios.anchor(values, folder)
     return keys, [tuple(values.values()) for values in rows]
 
 
@@ -166,7 +164,7 @@ def left_out(given: object) -> tuple[str, ...]:
     if not isinstance(given, list) or not all(word in MEASURES for word in given):
         facts = {"given": given, "names": " and ".join(MEASURES)}
         raise UsageError.of("without", "the sweep's file", **facts)
-    return tuple(sorted(given))
+    return tuple(sorted(set(given)))
 
 
 def _run_folders(table: Table, count: int) -> tuple[tuple[int, ...], bool]:
@@ -223,6 +221,8 @@ def flat(table: Table, head: str = "") -> Iterator[tuple[str, object]]:
     Ranges, and tables that say what kind of thing they are, count as values.
     """
     for key, value in table.items():
+        if len(head) + len(key) > LONGEST_KEY:
+            raise UsageError.of("long_key", "the sweep's file", key=f"{head}{key}"[:40])
         if isinstance(value, Mapping) and not (
             "kind" in value or {"from", "to"} <= value.keys()
         ):

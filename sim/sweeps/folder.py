@@ -94,7 +94,11 @@ class About:
             "vary": vary,
             "without": sweep.without,
         }
-        return cls(json.loads(json.dumps(asked)), software())
+        try:
+            return cls(json.loads(json.dumps(asked, allow_nan=False)), software())
+        except (TypeError, ValueError) as error:
+            remedy = "give numbers and texts, also where other values replace them"
+            raise UsageError.at(f"sweep {sweep.name!r}", error, remedy) from error
 
     @classmethod
     def read(cls, path: Path) -> "About | None":

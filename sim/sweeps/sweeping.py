@@ -245,8 +245,7 @@ def merge(sources: Sequence[Path], out: Path) -> tuple[Result, Path]:
     ensure_folder(out)
     with sole_owner(folder.lock), opened(folder.ledger) as ledger:
         written = points.known(about, folder.ledger)
-        new = [o for c, o in known.items() if c not in written or written[c].died]
-        ledger.add(new)
+        ledger.add([o for c, o in known.items() if c not in written or written[c].died])
         about = folder.agree(about, mix=about.mixed)
         write_table(folder.table, list(points.rows(known)), asdict(about))
     return points.result(known), folder.table

@@ -42,8 +42,7 @@ def write_table(
     empty = SEAL + DIGITS * b"0"
     metadata = {ABOUT: json.dumps(about, sort_keys=True), "seal": empty}
     table = pa.table(columns, names=names).replace_schema_metadata(metadata)
-    size = table.nbytes // 4 + HEAD * table.num_columns
-    with whole(path, size, new=new) as part:
+    with whole(path, table.nbytes // 4 + HEAD * table.num_columns, new=new) as part:
         parquet.write_table(table, part, compression="zstd", row_group_size=GROUP_ROWS)
         place, seal = _seal(part.read_bytes())
         with part.open("r+b") as file:

@@ -70,8 +70,7 @@ def looked_through(walk: Run) -> mujoco.MjModel:
     """
     model = copy(walk.model)
     walk.require_width(walk.ctrl, model.nu)
-    torso = fixed_to(model, root_body(model, walk.model_file))
-    model.geom_rgba[torso, 3] *= TORSO
+    model.geom_rgba[fixed_to(model, root_body(model, walk.model_file)), 3] *= TORSO
     quality = model.vis.quality  # in few faces, each of which costs time
     quality.numquads, quality.numslices, quality.numstacks = 1, 12, 6
     scale = model.vis.scale

@@ -19,9 +19,7 @@ from sim.world.parts import copy_settings, fixed_geoms
 
 BUMPS = "bumps"  # name of the height field
 CELL = 0.01  # [m] between heights, or more where the floor is large
-SMOOTHED_CELLS = 3.0  # cells; standard deviation of what heights are averaged over
 FLOOR_MARGIN = 0.5  # [m] of floor around the path
-MOST_HEIGHTS = 400  # heights along a side
 DEEP = 0.05  # [m] of floor under the lowest height
 LEVEL = 1e-3  # [rad]; a plane tilted less is horizontal, as single precision writes it
 WALL = np.deg2rad(45)  # a plane tilted more is a wall, and no attempt at a floor
@@ -148,10 +146,10 @@ def add_bumps(spec: mujoco.MjSpec, floor: Floor, scenario: Scenario) -> None:
 
     way = scenario.path.curve.at(np.linspace(0.0, 1.0, 101))[:, :2]
     low, high = way.min(axis=0) - FLOOR_MARGIN, way.max(axis=0) + FLOOR_MARGIN
-    sides = np.clip(np.ceil((high - low) / CELL), 2, MOST_HEIGHTS).astype(int)
+    sides = np.clip(np.ceil((high - low) / CELL), 2, 400).astype(int)
     half = (high - low) / 2
     drawn = np.random.default_rng([scenario.draw, 1]).standard_normal(sides[::-1])
-    smooth = gaussian_filter(drawn, SMOOTHED_CELLS, mode="nearest")
+    smooth = gaussian_filter(drawn, 3.0, mode="nearest")  # cells
     heights = (smooth - smooth.min()) / np.ptp(smooth)  # a row for each y
     columns, rows = sides.tolist()
     size, heights = [*half.tolist(), scenario.bumps, DEEP], heights.ravel().tolist()

@@ -121,8 +121,7 @@ def ensure_start(spec: mujoco.MjSpec, robot: Robot, floor: Floor) -> float:
         if joint.name not in own:  # it has backlash, from its middle
             qpos = np.insert(qpos, place, 0.0)
         place += SIZES.get(joint.type, 1)
-    act = _act(spec, robot)
-    spec.add_key(name=START, qpos=qpos, ctrl=_ctrl(spec, robot), act=act)
+    spec.add_key(name=START, qpos=qpos, ctrl=_ctrl(spec, robot), act=_act(spec, robot))
     return down
 
 

@@ -98,8 +98,7 @@ def loose_joints(robot: Robot) -> list[str]:
     """Joints of other parts that nothing holds or slows, and no actuator moves."""
     model = robot.model
     held = slowed(model)[model.jnt_dofadr] | sprung(model)
-    on_joint = np.isin(model.actuator_trntype, ON_JOINT)
-    held[model.actuator_trnid[on_joint, 0]] = True
+    held[model.actuator_trnid[np.isin(model.actuator_trntype, ON_JOINT), 0]] = True
     free = model.jnt_type == mujoco.mjtJoint.mjJNT_FREE
     names = (model.joint(int(number)).name for number in np.flatnonzero(~held & ~free))
     return [name for name in names if name not in robot.card.joints]

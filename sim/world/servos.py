@@ -14,7 +14,6 @@ import numpy as np
 
 from models import Card, ModelError, Robot, ServoKind
 from models.description import (
-    ALSO,
     KNOWN_SERVOS,
     ON_JOINT,
     actuators_of,
@@ -103,8 +102,8 @@ def _kind(name: str, data: Mapping[str, float], scenario: Scenario) -> ServoKind
     where = f"scenario {scenario.name!r}"
     if not name:
         raise UsageError.of("no_own_make", where)
-    if name.lower() not in (*KNOWN_SERVOS, *ALSO):
-        remedy = did_you_mean(name.lower(), ("ideal", "own", *KNOWN_SERVOS))
+    if name not in KNOWN_SERVOS:
+        remedy = did_you_mean(name, ("ideal", "own", *KNOWN_SERVOS))
         raise UsageError(f"servo = {name!r} is unknown", where, remedy)
     try:
         return servo_of(name, data)

@@ -72,6 +72,7 @@ REFUSED = [
     (CARD, {"lift_time": 0.99e-3}, "lift_time must be 0.001 s or more"),
     (CARD, {"gait": ("ab", "a") * 500 + ("ab",)}, "1001 strata; 1000 are the most"),
     (CARD, {"legs": dict.fromkeys(range(1, 42), LEG)}, "41 legs; 40 are the most"),
+    (CARD, {"legs": {1: LegCard("a", "b", ("f",) * 401)}}, "401 soles; 400 are the"),
     (CARD, {"patterns": dict.fromkeys(range(1001), PATTERN)}, "1001 patterns; 1000 a"),
     *((CARD, {"groups": dict.fromkeys(range(n + 1), GROUP), "patterns": patterns},
        f"{n + 1} groups; {n} are the most")

@@ -3,6 +3,7 @@
 import io
 import re
 import shutil
+from pathlib import Path
 
 import pytest
 
@@ -60,6 +61,51 @@ def test_a_robot_beside_nothing_is_calibrated(answered, tmp_path, monkeypatch):
         shutil.copy(FOLDER / name, tmp_path)
     monkeypatch.chdir(tmp_path)
     assert "answers end" in answered("quadruped.xml", "--out", "c")
+
+
+@pytest.mark.parametrize("way", ["relative", "link"])
+def test_the_card_of_a_shipped_robot_is_not_written_however_it_is_named(
+    answered, tmp_path, monkeypatch, way
+):
+    monkeypatch.chdir(FOLDER.parent)
+    (tmp_path / "robots").symlink_to(FOLDER)
+    above = "" if way == "relative" else tmp_path
+    named = Path(above, "robots", "quadruped.xml")
+    assert "answers end" in answered(named, "--out", tmp_path / "c")
+    assert (tmp_path / "c" / "quadruped.toml").exists()
+
+
+def test_strokes_of_a_robot_are_not_written_beside_the_page_of_another(
+    answered, tmp_path
+):
+    out = tmp_path / "c"
+    answered("hexapod", "--out", out)
+    card = (FOLDER / "quadruped.toml").read_text()
+    joints = [j for leg in range(1, 5) for j in (f"swing_{leg}", f"lift_{leg}")]
+    tables = (f"\n[servo.{joint}]\nchannel = {n}\n" for n, joint in enumerate(joints))
+    for name in ("scene.xml", "quadruped.xml"):
+        (tmp_path / name.replace("quadruped", "own")).write_bytes(
+            (FOLDER / name).read_bytes()
+        )
+    (tmp_path / "own.toml").write_text(card + MG90 + "".join(tables))
+    said = answered(tmp_path / "own.xml", "--check", "--out", out)
+    assert f"already exists: {out / 'feet.svg'}" in said
+    assert not (out / "check.h").exists()
+
+
+def test_a_card_that_is_a_link_stays_one_and_keeps_who_may_read_it(answered, tmp_path):
+    for name in ("scene.xml", "quadruped.xml"):
+        shutil.copy(FOLDER / name, tmp_path)
+    real = tmp_path / "real.toml"
+    real.write_text((FOLDER / "quadruped.toml").read_text() + MG90)
+    real.chmod(0o660)
+    (card := tmp_path / "quadruped.toml").symlink_to(real)
+    file = tmp_path / "answers.txt"
+    file.write_text("\nswing_1\n+\n321\n421\n")
+    answered(card.with_suffix(".xml"), "--out", tmp_path / "c", "--answers", file)
+    assert card.is_symlink()
+    assert "[servo.swing_1]" in real.read_text()
+    assert real.stat().st_mode & 0o777 == 0o660
 
 
 def test_the_copy_of_a_robot_in_a_run_is_left_as_it_was_sealed(answered, tmp_path):

@@ -1,6 +1,7 @@
 """Which rows are fitted, and what is too small to be found."""
 
 from dataclasses import replace
+from datetime import date
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -74,6 +75,29 @@ def test_joints_that_a_log_has_not_keep_what_an_earlier_fit_has_found(errors):
     whole = isinstance(errors, dict) and len(errors["bands"]) == 2
     # what is expected beforehand, within 1, makes the first a little smaller
     assert error == pytest.approx([0.03, 0.02 if whole else 0.0], rel=1e-3)
+
+
+def test_joints_of_which_nothing_was_seen_keep_what_an_earlier_fit_has_found():
+    """Though they were commanded: a bench has encoders for a few."""
+    one = Parameter(name="a", unit="", spread=1.0, step=1.0, low=0.0, setting="bands")
+    seen, unseen = (estimates([one], [0.3], [error]) for error in (0.03, 1e9))
+    names = "start", "value", "information", "noise"
+    parts = [np.concatenate([getattr(e, n) for e in (seen, unseen)]) for n in names]
+    own = Estimates((one,), *parts)
+    fit = JointFit(("hip", "knee"), own, seen, own, np.zeros(2), np.zeros(2))
+    earlier = {"bands": [0.1, 0.2], "errors": {"bands": [0.01, 0.02]}}
+    value, error = fit.settings(["hip", "knee"], earlier)["bands"]
+    assert value == pytest.approx([0.3, 0.2])
+    assert error == pytest.approx([0.03, 0.02], rel=1e-3)
+
+
+@pytest.mark.parametrize("odd", [date(1979, 5, 27), "x", np.nan, True])
+def test_earlier_errors_that_are_no_numbers_are_refused(odd):
+    one = Parameter(name="a", unit="", spread=1.0, step=1.0, low=0.0, setting="bands")
+    own = estimates([one], [0.3], [0.03])
+    fit = JointFit(("hip",), own, own, own, np.zeros(1), np.zeros(1))
+    with pytest.raises(UsageError, match="bands = .* is not allowed: .fitted. of the"):
+        fit.settings(["hip"], {"errors": {"bands": [odd]}})
 
 
 def test_slack_that_no_scenario_takes_is_none():

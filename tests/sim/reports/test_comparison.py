@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -61,6 +62,16 @@ def test_runs_of_a_robot_whose_file_was_changed_between_them_differ(
         sealed(copy, seals=summary["seals"] | {"robot/mine.xml": None})
     assert main(["compare", *map(str, copies)]) == 0
     assert capsys.readouterr().out.splitlines()[1].startswith("robot/mine.xml  sealed")
+
+
+def test_columns_have_as_much_of_the_path_as_tells_them_apart():
+    def named(*places):
+        return comparison.names([SimpleNamespace(folder=Path(p)) for p in places])
+
+    assert named("/w/runs/a", "/w/runs/b") == ["a", "b"]
+    assert named("/p/runs/a", "/q/runs/a") == ["p/runs/a", "q/runs/a"]
+    assert named("/w/runs/a", "/w/runs/a") == ["a", "a"]
+    assert named("/a", "/w/a") == ["a", "w/a"]
 
 
 def test_json_holds_a_row_a_run(runs, capsys):
@@ -183,15 +194,14 @@ def test_without_an_ideal_prediction_parts_count_along_their_own_way(monkeypatch
     """As of runs that were played."""
     parts = {"swing S1": np.array([3e-3, 0.0, 0.1]), "swing S2": np.array([0, 4e-3, 0])}
     monkeypatch.setattr(comparison, "contributions", lambda run: {"compliant": parts})
-    run = SimpleNamespace(
-        best="compliant", title="a", summary=SimpleNamespace(replan=False)
-    )
+    summary = SimpleNamespace(replan=False)
+    run = SimpleNamespace(best="compliant", folder=Path("a"), summary=summary)
     rows = dict(comparison._drift([run]).rows)
     assert rows["swing on S1"] == "1.80"  # 3 mm on a way of 5 mm: 3 * 3 / 5
     assert rows["swing on S2"] == "3.20"
     assert rows["all swings"] == rows["all together"] == "5.00"
-    planned = SimpleNamespace(**vars(run) | {"title": "b"})
+    planned = SimpleNamespace(**vars(run) | {"folder": Path("b")})
     of = {"a": {"compliant": parts}, "b": {"ideal": parts}}
-    monkeypatch.setattr(comparison, "contributions", lambda run: of[run.title])
+    monkeypatch.setattr(comparison, "contributions", lambda run: of[run.folder.name])
     beside = comparison._drift([run, planned], "ideal").rows
     assert {played for _, played, _ in beside} == {comparison.NONE}
