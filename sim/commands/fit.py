@@ -71,9 +71,7 @@ def fit(options: argparse.Namespace) -> None:
     if options.out is not None:
         servo, own = setup.servo.name, setup.robot.card.servo
         if servo != (own.made if own and own.made else "ideal"):
-            cli.notice(
-                f"what was fitted of servos is of {servo}, and of others no more"
-            )
+            cli.notice(f"what was fitted of servos is of {servo} alone")
         text = fitting.card_text(setup.robot, fitted, options.sources, servo)
         parts["written"] = fitting.write_card(setup.robot, Path(options.out), text)
         earlier = (setup.robot.card.fitted.keys() - fitted.keys()) & SETTINGS.keys()

@@ -137,9 +137,9 @@ def servo_table(
             joint: replace(servo, center=None, counts_per_radian=None)
             for joint, servo in known.items()
         }
-    elif on_bus and not pwm and card.board_divider:
+    elif on_bus and pwm is False and card.board_divider:
         raise UsageError.of("no_ticks", "the robot's card")
-    if make and pwm and make.signal != "pulse":
+    if on_bus and pwm:
         for joint in joints:  # a bus gives no pulses, so theirs must be known
             servo = known.get(joint, JointServo())
             if servo.counts_per_radian is None or servo.center is None:

@@ -103,6 +103,7 @@ def test_counts_of_pulses_are_no_ticks():
     }
     with pytest.raises(UsageError, match="counts of its servos are of pulses"):
         servo_table(card, JOINTS, SERVO_KINDS["xl-330"], False)
+    assert servo_table(card, JOINTS, SERVO_KINDS["xl-330"], None).joints == JOINTS
 
 
 def test_angles_are_in_the_order_of_channels():
