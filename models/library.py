@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from difflib import get_close_matches
 from os import PathLike, fspath
-from os.path import lexists
+from os.path import lexists, realpath
 from pathlib import Path
 from shlex import quote
 
@@ -94,7 +94,7 @@ def _find(name: str) -> Path:
         facts = {"question": question, "shipped": ", ".join(shipped), "own": own}
         raise UnknownRobotError(message("unknown_robot", name=name, **facts))
     path = Path(name) if name.endswith(".xml") else FOLDER / f"{name}.xml"
-    if path.parent.resolve() == FOLDER.resolve():  # by whatever way it is named
+    if realpath(path.parent) == realpath(FOLDER):  # by whatever way it is named
         path = FOLDER / path.name
     if not path.is_file():
         own = f"{path.stem!r}, as shipped, or " * (path.stem in shipped)

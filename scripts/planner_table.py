@@ -29,13 +29,8 @@ HEADER = (
     "shots to 1e-9 | flows | CasADi | OMPL"
 )
 STEPS = 8  # of Runge and Kutta's method for a stroke of IPOPT's
-USES = 6  # how often IPOPT may use every field
 GUESS = 0.1  # of every stroke
-UNUSED = 1e-6  # duration below which the interior point leaves what it does not need
 SAMPLING_TIME = 3.0  # [s] of OMPL
-GOAL_REGION = 0.1  # share of the distance from start to goal, where sampling ends
-SAMPLING_STEP = 0.05  # likewise, of which sampled strokes are multiples
-LONGEST_STROKE = 40  # of these steps
 SEED = 1  # time still decides how far samplers get
 
 
@@ -107,7 +102,7 @@ def optimised(problem: Problem) -> list[planner.Flow]:
     """
     import casadi
 
-    names = controls(problem) * USES
+    names = controls(problem) * 6  # uses of every field at most
     (start, goal), count = problem.states, len(names)
     forward, back = (casadi.SX.sym(name, count) for name in ("forward", "back"))
     states = casadi.SX.sym("states", len(start), count)
@@ -135,7 +130,8 @@ def optimised(problem: Problem) -> list[planner.Flow]:
     ahead, behind = np.array(found["x"])[: 2 * count, 0].reshape(2, count)
     named = zip(names, (ahead - behind).tolist(), strict=True)
     strokes = (_stroke(problem, *each) for each in named)
-    return [*planner.merged(s for s in strokes if abs(s.duration) > UNUSED)]
+    # the interior point leaves a little of what it does not need
+    return [*planner.merged(s for s in strokes if abs(s.duration) > 1e-6)]
 
 
 def _flow(problem: Problem, name: str, casadi: Any) -> Any:
@@ -188,11 +184,11 @@ def sampled(problem: Problem, seconds: float = SAMPLING_TIME) -> list[planner.Fl
 
     setup.setStatePropagator(propagate)
     ends = (set_to(space.allocState(), values) for values in (start, goal))
-    setup.setStartAndGoalStates(*ends, GOAL_REGION * way)
+    setup.setStartAndGoalStates(*ends, 0.1 * way)  # where sampling ends
     information = setup.getSpaceInformation()
     fastest = max(float(np.abs(rate(start)).max()) for rate in rates.values())
-    information.setPropagationStepSize(SAMPLING_STEP * way / fastest)
-    information.setMinMaxControlDuration(1, LONGEST_STROKE)
+    information.setPropagationStepSize(0.05 * way / fastest)
+    information.setMinMaxControlDuration(1, 40)  # of these steps
     setup.setPlanner(control.RRT(information))
     setup.solve(seconds)
     path = setup.getSolutionPath()

@@ -30,7 +30,6 @@ TOOLS = {  # found before all others
     "python": '#!/bin/sh\nexec {python} "$@"\n',
 }
 MOST_CHARACTERS = 260  # characters of what is said
-ROW_LIMIT = 400  # [s] for a row
 AT_ONCE = 2  # rows
 
 _FILE = shipped_tables("scripts", "faults.toml")
@@ -112,7 +111,7 @@ def ended(row: Row) -> Ending:
         env["PATH"] = f"{tools}:/usr/local/bin:/usr/bin:/bin:/usr/sbin:/sbin"
         env |= {"PYTHONPATH": str(ROOT), "HOME": str(tools)}
         row.make(folder, env)
-        end = ending(lambda: other(["sh", "-c", row.command], env), folder, ROW_LIMIT)
+        end = ending(lambda: other(["sh", "-c", row.command], env), folder, 400)  # [s]
         folders = map(re.escape, (str(folder), scratch, str(ROOT)))
         places = re.compile(f"(?:{'|'.join(folders)})/")
         warned = [places.sub("", text) for text in end.warned]

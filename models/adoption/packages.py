@@ -2,6 +2,7 @@
 
 import os
 import re
+from contextlib import suppress
 from pathlib import Path
 
 from planner.support import read_file
@@ -18,16 +19,17 @@ def with_packages(text: str, folder: Path) -> str:
 def _found(folder: Path, name: re.Match[str]) -> str:
     """A file of a package above or beside the URDF, which may be in it itself."""
     above = (folder, *folder.parents[:PARENTS])
-    named = [at.joinpath(*name.groups()) for at in above]
-    # a package is often kept in a folder of another name
-    own = [at / name[2] for at in above if _called(at) in ("", name[1])]
-    for found in filter(os.path.isfile, named + own):
-        return os.path.relpath(found, folder)
-    return name.group()
+    places = [at / name[2] for at in above if _called(at) == name[1]]
+    for at in above:  # a package is often kept in a folder of another name
+        places += [at.joinpath(*name.groups()), *[at / name[2]] * (not _called(at))]
+    found = next(filter(os.path.isfile, places), None)
+    return os.path.relpath(found, folder) if found else name.group()
 
 
 def _called(folder: Path) -> str:
     """What the package in a folder is called; empty where nothing there says so."""
-    file = folder / "package.xml"
-    text = read_file(file).decode(errors="replace") if file.is_file() else ""
+    text = ""
+    with suppress(OSError):
+        text = read_file(folder / "package.xml", 10**5).decode(errors="replace")
+    text = re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL)
     return (re.findall(r"<name>\s*([^<]*?)\s*</name>", text) or [""])[0]

@@ -108,12 +108,13 @@ def _write(folder: RunFolder, name: str, text: str, known: int | None = None) ->
 def _owned(robot: Robot, folder: RunFolder, options: argparse.Namespace) -> Robot:
     """The robot whose card is written: a copy in the folder of one that is shipped."""
     source = robot.path
+    card = source.with_suffix(".toml").resolve()  # it may be a link
     if robot.has_card_inside and not options.check:
         remedy = f"move it to {source.with_suffix('.toml')}; then go on: {again()}"
         raise UsageError("the card is inside the robot's file", str(source), remedy)
-    if (source.absolute().parents[1] / "summary.json").exists() and not options.check:
+    if (card.parent.parent / "summary.json").exists() and not options.check:
         raise UsageError.of("of_a_run", source, name=source.name)
-    if source.parent != description.FOLDER:
+    if not card.parent.samefile(description.FOLDER):
         return robot
     own = folder.path / source.name
     if not own.exists():
@@ -131,7 +132,7 @@ def _calibrated(
 ) -> Mapping[str, str]:
     """Ask for every servo that the card does not have, and write it at once."""
     card, number = robot.card, len(robot.card.joints)
-    file = robot.path.with_suffix(".toml").resolve()  # it may be a link
+    file = robot.path.with_suffix(".toml").resolve()
     known, pulse = dict(card.mounted), kind.signal == "pulse"
     board = description.parse_toml(robot.card_text).get("board", {})
     clock = card.board_clock if "clock" in board else None

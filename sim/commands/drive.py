@@ -164,11 +164,18 @@ class Link:
     seen: list[tuple[float, list[float]]] = field(default_factory=list)  # of a stop
 
     def send(self, walk: "ServedWalk", rows: "Iterable[Row]") -> None:
-        """Write commands, each when its time has come."""
+        """Write commands, each when its time has come; those that are late come later.
+
+        Otherwise a robot would leap after each pause, as of planning or a stop.
+        """
         for when, angles in rows:
             if self.pace:
                 now = time.monotonic()
                 self.began = now if self.began is None else self.began
+                late = (now - self.began) * self.pace - when
+                if (missed := int(late * walk.rate)) > 0:
+                    walk.skip(missed)
+                    when = round(when * walk.rate + missed) / walk.rate
                 time.sleep(max(0.0, self.began + when / self.pace - now))
             ctrl = dict(zip(walk.joints, angles.tolist(), strict=True))
             try:

@@ -71,10 +71,14 @@ class ServedWalk:
     def wait(self) -> Row:
         """The last command once more, at the time of the next one."""
         row = self.time, self._last
-        self._given += 1
+        self.skip(1)
+        return row
+
+    def skip(self, count: int) -> None:
+        """Let the times of some commands pass, meanwhile the robot stands."""
+        self._given += count
         pace = self.rate * self.setup.limits.timestep
         self._steps = max(self._steps, round(self._given / pace))
-        return row
 
     def walk(self, segment: int) -> Iterator[Row]:
         """Commands of the next segment, planned from where the robot is thought."""

@@ -34,8 +34,6 @@ from sim.pictures.offscreen import LOOKS, OffscreenRenderer
 from sim.runs.run import read_run
 
 NAME = "video.mp4"
-WORKERS = 2  # processes at most; each takes 200 MB
-FEWEST_PICTURES = 90  # pictures that are worth a process
 SILENCE = 120.0  # [s] without a new picture
 SPARE = 2**20  # bytes; with less a disk is full
 KEPT = "the run itself is kept"
@@ -148,7 +146,7 @@ def _scratch(film: Path) -> Iterator[Path]:
 def _shares(pictures: int) -> list[range]:
     """Equal shares of the pictures, one for each process."""
     cores = len(os.sched_getaffinity(0))
-    workers = min(WORKERS, cores, 1 + pictures // FEWEST_PICTURES)
+    workers = min(2, cores, 1 + pictures // 90)  # each takes 200 MB
     ends = [pictures * i // workers for i in range(workers + 1)]
     return [range(*share) for share in pairwise(ends)]
 

@@ -28,7 +28,6 @@ WORDS = shipped_tables("sim.reports", "words.toml")
 NOTES: Mapping[str, str] = WORDS["notes"]
 PAGE_WIDTH = 7.2  # [in] of a drawing over the whole page
 LEFT, RIGHT = 0.085, 0.985  # of the width, between which the axes lie
-BINS = 500  # of a time axis; each keeps its extremes
 FEW = 8  # segments; fewer are divided into their phases
 BAND, DETAIL = "band", "detail"  # classes of shapes, for the page's style and script
 XLINK = "http://www.w3.org/1999/xlink"
@@ -123,7 +122,7 @@ def add_band(axes: "Axes", edges: Array, low: Array, high: Array, colour: str) -
     axes.fill_between(edges, low, high, step="post", gid=BAND, **look)
 
 
-def extremes(values: Array, bins: int = BINS) -> Array:
+def extremes(values: Array, bins: int = 500) -> Array:
     """Rows that keep the extremes of every bin of values, (T,) or (T, k)."""
     count = len(values)
     if count <= 2 * bins:

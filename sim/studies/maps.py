@@ -37,7 +37,6 @@ if TYPE_CHECKING:
 
 UNSHIPPED = "SCENARIO.toml"  # stands for a scenario that is not shipped
 SMALLEST_SHARE = 1e-6  # share of the path; what is smaller is drawn there
-MOST_MAPS = 12  # maps
 CELL = 0.92  # of the way from one place to the next
 SHAPE = "geometry."
 UNITS = {
@@ -46,7 +45,6 @@ UNITS = {
 }  # fmt: skip
 """Of the numbers of a robot's shape; the others are lengths."""
 SHEET_HEIGHT = 3.2  # [in]
-LONGEST_LABEL = 60  # letters
 ACROSS, LETTER = 70, 0.08  # letters beside one another; length of one [in]
 MOST_LABELS = 200  # at an axis
 MOST_SQUARES = 16  # beside one another, with a number in each that can be read
@@ -71,7 +69,7 @@ def figures(
     import matplotlib as mpl
 
     varying = [key for key in results.keys if len(_labels(results.columns[key])) > 1]
-    pairs: Sequence[tuple[str, ...]] = list(combinations(varying, 2))[:MOST_MAPS]
+    pairs: Sequence[tuple[str, ...]] = list(combinations(varying, 2))[:12]
     style = {**STYLE, "svg.fonttype": fonts, "text.parse_math": False}  # as in `a$b$`
     with mpl.rc_context(style), catch_warnings():
         filterwarnings("ignore", "Glyph", UserWarning)  # names in any script
@@ -261,7 +259,7 @@ def _labels(values: Sequence[object]) -> list[str]:
 
 def _label(value: object) -> str:
     text = f"{value:.3g}" if isinstance(value, float) else str(value)
-    return text if len(text) <= LONGEST_LABEL else f"{text[:20]} ... {text[-20:]}"
+    return text if len(text) <= 60 else f"{text[:20]} ... {text[-20:]}"
 
 
 def _legend(axes: "Axes", results: Results) -> None:

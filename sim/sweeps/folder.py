@@ -25,7 +25,7 @@ from sim.sweeps.ledger import ALIKE, alike, differences, software
 
 UNREADABLE = (ValueError, KeyError, TypeError, AttributeError, RecursionError)
 SIDE_BY_SIDE = " with "  # between keys that vary together
-WALKED = re.compile(r"table-\d+-of-(\d+)\.parquet")  # all of a shard
+WALKED = re.compile(r"table-[0-9]+-of-([1-9][0-9]*)\.parquet")  # all of a shard
 POINT = "point.json"  # in a run folder of a sweep: which of its points that is
 OWN = re.compile(r"sweep(-\d+-of-\d+)?\.(json|lock|owner)")  # files of any shard
 

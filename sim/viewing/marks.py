@@ -16,7 +16,6 @@ from sim.pictures.ghost import Ghost, decor
 from sim.runs.run import Run
 
 KIND = mujoco.mjtGeom
-PATH_POINTS = 120  # of a path
 BEND = 0.2  # of a path's width: the same line in fewer rods, each of them costs time
 # In units of the robot's reach.
 HIGH, THICK = 0.008, 0.006  # above the floor, width of paths
@@ -135,5 +134,5 @@ def thinned(points: Array) -> Array:
     way = length_up_to(points)
     if not way[-1]:
         return points[:1]
-    at = np.searchsorted(way, np.linspace(0, way[-1], PATH_POINTS))
+    at = np.searchsorted(way, np.linspace(0, way[-1], 120))
     return points[np.unique(np.minimum(at, len(points) - 1))]

@@ -19,7 +19,6 @@ from sim.viewing.marks import Marks, middle_and_extent
 PERCENT = 100.0
 CORNER = (330.0, 60.0)  # of the panel, beside the viewer's own [pixels]
 AGAIN = 1.0  # [s] after which controls are sent again to a viewer that came late
-SPEEDS = (0.25, 1.0, 2.0, 4.0, 8.0, 16.0)
 FLAGS = (mujoco.mjtVisFlag.mjVIS_CONTACTPOINT, mujoco.mjtVisFlag.mjVIS_CONTACTFORCE)
 
 
@@ -137,7 +136,7 @@ class Panel(plugin.ViewerPlugin):
             playback.go_to(moment)
         if imgui.Button("play" if playback.paused else "pause"):
             playback.paused = not playback.paused
-        for speed in SPEEDS:
+        for speed in (0.25, 1.0, 2.0, 4.0, 8.0, 16.0):
             imgui.SameLine()
             if imgui.Button(f"{speed:g}x"):
                 playback.speed = speed

@@ -36,7 +36,10 @@ def test_a_file_is_that_of_the_package_which_is_named(tmp_path, called):
     if called:
         text = f"<package>\n  <name>{called}</name></package>"
         (tmp_path / "robot" / "package.xml").write_text(text)
-    assert with_packages("package://other/foot.stl", folder) == "../../other/foot.stl"
+    other = with_packages("package://other/foot.stl", folder)
+    assert other == (
+        "../foot.stl" if called in ("other", None) else "../../other/foot.stl"
+    )
     mine = with_packages("package://own/foot.stl", folder)
     assert (mine == "../foot.stl") == (called != "other")
 
@@ -56,3 +59,17 @@ def test_a_servo_that_suits_sags_by_four_tenths_of_a_milliradian():
     hips = np.array([Kinematics(robot).hinge(j)[1][:2] for j in robot.swing_joints])
     arm = np.linalg.norm(Kinematics(robot).standing.feet - hips, axis=1).max()
     assert weight * arm / 3 / servo.stiffness == pytest.approx(4e-4, rel=1e-3)
+
+
+def test_the_package_that_a_urdf_is_in_comes_before_another_copy_of_it(tmp_path):
+    folder = tmp_path / "mine" / "robot-master" / "urdf"
+    folder.mkdir(parents=True)
+    (tmp_path / "robot").mkdir()
+    for place in (tmp_path / "robot", folder.parent):
+        (place / "foot.stl").touch()
+    package = folder.parent / "package.xml"
+    for text in ("", "<package><!-- <name>x</name> --><name>robot</name></package>"):
+        package.write_text(text)
+        assert with_packages("package://robot/foot.stl", folder) == "../foot.stl"
+    package.unlink()
+    assert with_packages("package://robot/foot.stl", folder) == "../foot.stl"

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from models.description.robot import FOLDER
-from models.errors import ModelError
+from models.errors import ModelError, UnknownRobotError
 from models.library import load
 
 HEXAPOD, CARD, SCENE = (
@@ -185,3 +185,9 @@ def test_joints_are_known_by_their_names(robot):
     shipped, mine = load("hexapod"), load(str(path))
     assert mine.groups == shipped.groups
     assert mine.model.joint("swing_1").id != shipped.model.joint("swing_1").id
+
+
+def test_a_folder_that_is_a_link_to_itself_has_no_robot(tmp_path):
+    (tmp_path / "loop").symlink_to(tmp_path / "loop")
+    with pytest.raises(UnknownRobotError, match="no such robot file"):
+        load(str(tmp_path / "loop" / "x.xml"))

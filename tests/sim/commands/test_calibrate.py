@@ -63,7 +63,7 @@ def test_a_robot_beside_nothing_is_calibrated(answered, tmp_path, monkeypatch):
     assert "answers end" in answered("quadruped.xml", "--out", "c")
 
 
-@pytest.mark.parametrize("way", ["relative", "link"])
+@pytest.mark.parametrize("way", ["relative", "link", "card"])
 def test_the_card_of_a_shipped_robot_is_not_written_however_it_is_named(
     answered, tmp_path, monkeypatch, way
 ):
@@ -71,7 +71,13 @@ def test_the_card_of_a_shipped_robot_is_not_written_however_it_is_named(
     (tmp_path / "robots").symlink_to(FOLDER)
     above = "" if way == "relative" else tmp_path
     named = Path(above, "robots", "quadruped.xml")
-    assert "answers end" in answered(named, "--out", tmp_path / "c")
+    if way == "card":
+        (tmp_path / "own").mkdir()
+        for name in ("quadruped.xml", "quadruped.toml", "scene.xml"):
+            (tmp_path / "own" / name).symlink_to(FOLDER / name)
+        named = tmp_path / "own" / "quadruped.xml"
+    external = ["--allow-external"] * (way == "card")
+    assert "answers end" in answered(named, "--out", tmp_path / "c", *external)
     assert (tmp_path / "c" / "quadruped.toml").exists()
 
 

@@ -18,6 +18,7 @@ import pytest
 from models.description import FOLDER
 from sim.cli import main
 from sim.commands.drive import Link, Poses, _opened
+from sim.export.served import served
 
 ROBOT = Path(__file__).with_name("imperfect_robot.py")
 SETTINGS = {
@@ -98,8 +99,41 @@ def test_commands_come_at_their_times_divided_by_the_pace(monkeypatch, pace):
     )
     link = Link(Poses(io.StringIO()), commands, pace, patience=1.0)
     rows = [(when, np.zeros(1)) for when in (0.0, 0.02, 0.5, 3.0)]
-    link.send(SimpleNamespace(joints=("swing_1",)), rows)
+    walk = SimpleNamespace(joints=("swing_1",), rate=50.0)
+    link.send(walk, rows)
     assert np.multiply(pace, np.subtract(sent, 7.0)) == pytest.approx([0, 0.02, 0.5, 3])
+
+
+@pytest.mark.parametrize("pace", [0.5, 1.0, 4.0])
+def test_a_robot_goes_on_from_where_it_stands_after_a_pause(
+    monkeypatch, pace, scenario
+):
+    """As of planning, or of a process that was stopped, and in time with its clock."""
+    clock, sent = [7.0], []
+
+    def sleep(seconds):
+        clock[0] += seconds
+
+    monkeypatch.setattr("time.monotonic", lambda: clock[0])
+    monkeypatch.setattr("time.sleep", sleep)
+    commands = io.StringIO()
+    commands.flush = lambda: sent.append(clock[0])
+    walk = served(scenario(segments=1))
+    link = Link(Poses(io.StringIO()), commands, pace, patience=1.0)
+
+    def paused(rows, at):
+        for number, row in enumerate(rows):
+            clock[0] += 3.01 / pace if number == at else 0.0
+            yield row
+
+    link.send(walk, walk.stand())
+    link.send(walk, paused(walk.walk(0), 20))
+    told = [json.loads(line)["time"] for line in commands.getvalue().splitlines()]
+    assert np.multiply(pace, np.subtract(sent, 7.0)) == pytest.approx(told, abs=0.021)
+    period = 1 / walk.rate
+    gaps = np.diff(told) / period
+    assert sorted(np.round(gaps).tolist())[-2:] == [1.0, int(3.01 / period)]
+    assert np.diff(sent).min() >= 0.4 * period / pace
 
 
 @pytest.mark.timeout(60)  # it waited for ever

@@ -91,6 +91,8 @@ def test_the_part_that_lacks_a_point_is_named(finished, capsys):
     (folder / "ledger-2-of-2.jsonl").write_text("")
     assert merged(folder, out=folder) == 2
     assert f"--out {folder} --shard 2/2 --resume" in capsys.readouterr().err
+    (folder / "table-1-of-0.parquet").touch()  # of no shard
+    assert merged(folder, out=folder) == 2
 
 
 def test_the_table_of_something_else_is_not_replaced(finished, tmp_path, capsys):
