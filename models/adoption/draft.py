@@ -31,7 +31,6 @@ from planner.support import limited
 SHORT = 0.05  # of the longest leg as seen from above: shorter ones push nothing
 DEEPEST = np.arctan(2.0)  # of feet; at 3.5 in place of 2 they jam, at 1.7 they do not
 SOFT_SHARE = 0.05  # of the stiffness with which a servo sags little
-WIDEST = 4 * np.pi  # [rad] from end to end of a joint's limits, without a word
 LEVELLED, LEVELLING_STEPS = 1e-5, 4  # [m] between feet, and steps to less than that
 
 
@@ -120,7 +119,7 @@ def draft_card(source: Source) -> Draft:
         about = {"joint": soft[0], "stiffness": found[soft[0]], "suited": wanted}
         guesses.append(guess("soft", count=len(soft), damping=damping, **about))
     turn, joint = max((np.ptp(pose.span(joint)), joint) for joint in joints)
-    if turn > WIDEST:
+    if turn > 4 * np.pi:  # from end to end of its limits
         guesses.append(guess("wide", joint=joint, turn=np.rad2deg(turn)))
     if lift_room(pose, limbs) <= 0:
         low = min(limbs, key=lambda limb: lift_room(pose, [limb])).lift

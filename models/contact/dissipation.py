@@ -14,11 +14,8 @@ import numpy as np
 
 from planner import Array
 
-_BISECTIONS = 52  # as many as a double has digits
 _STICKS = 1e-9  # slower than this share of the fastest rate, a foot sticks
 _SMOOTHINGS = tuple(10.0**-k for k in range(1, 9, 2))
-_NEWTON_STEPS = 12
-_HALVINGS = 12
 
 
 def foot_velocities(feet: Array, rates: Array, twist: Array) -> Array:
@@ -152,7 +149,7 @@ class _Problem:
         low = np.where(alone, 0.0, np.where(carrying, p, np.inf).min(axis=-1))
         high = np.where(alone, 0.0, np.where(carrying, p, -np.inf).max(axis=-1))
         p, q2, weight = (np.ascontiguousarray(each.T) for each in (p, q2, weight))
-        for _ in range(_BISECTIONS):  # on long rows, (F, N), which is faster
+        for _ in range(52):  # digits of a double; on long rows, (F, N), which is faster
             omega = (low + high) / 2  # (N,)
             d = omega - p
             length = np.sqrt(d**2 + q2)
@@ -187,7 +184,7 @@ class _Problem:
         J = self.gripped(foot_jacobians(self.feet))
         xi = start
         for smoothing in _SMOOTHINGS:
-            for _ in range(_NEWTON_STEPS):
+            for _ in range(12):  # steps of Newton's method
                 step = self._newton_step(xi, J, smoothing)
                 xi = xi + step
                 if np.abs(step).max() < 1e-3 * smoothing:
@@ -206,7 +203,7 @@ class _Problem:
         H += 1e-14 * np.trace(H, axis1=1, axis2=2)[:, None, None] * np.eye(3)
         step = -np.linalg.solve(H, gradient[..., None])[..., 0]
         before = self.dissipation(xi, smoothing) * (1 + 1e-15)
-        for _ in range(_HALVINGS):
+        for _ in range(12):  # halvings of a step
             worse = self.dissipation(xi + step, smoothing) > before
             if not worse.any():
                 return step

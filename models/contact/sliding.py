@@ -90,9 +90,6 @@ class Ground:
 
 _SMOOTHINGS = (1.0, 0.1, 0.01, 1e-3, 1e-4)  # of the fastest rate
 _CAREFUL = tuple(10.0 ** (-k / 4) for k in range(17))  # where leaps by tens fail
-_NEWTON_STEPS = 12
-_LONGEST_STEP = 0.5
-_HALVINGS = 6
 _BALANCED = 1e-9  # of the weight
 _LEAST_COMPLIANCE = 0.1  # of a leg's own, where friction would jam it
 
@@ -158,7 +155,7 @@ class _Balance:
         xi = np.zeros((len(self.J), 3))
         for smoothing in smoothings:
             rows, part = np.arange(len(xi)), self
-            for _ in range(_NEWTON_STEPS):
+            for _ in range(12):  # steps of Newton's method
                 rest = part.force(xi[rows], smoothing)
                 left = np.flatnonzero(np.abs(rest).max(axis=-1) > _BALANCED)
                 if not len(left):
@@ -175,9 +172,9 @@ class _Balance:
         slope = np.moveaxis((np.array(ahead) - rest) / d, 0, -1) + 1e-9 * np.eye(3)
         step = -np.linalg.solve(slope, rest[..., None])[..., 0]
         longest = np.abs(step).max(axis=-1, keepdims=True)
-        step *= np.minimum(1.0, _LONGEST_STEP / np.maximum(longest, 1e-300))
+        step *= np.minimum(1.0, 0.5 / np.maximum(longest, 1e-300))
         before = np.linalg.norm(rest, axis=-1)
-        for _ in range(_HALVINGS):
+        for _ in range(6):  # halvings of a step
             worse = np.linalg.norm(self.force(xi + step, smoothing), axis=-1) >= before
             if not worse.any():
                 break

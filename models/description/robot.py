@@ -76,7 +76,7 @@ class Robot:
         of_leg = self.card.group_of_leg.items()
         return np.array([groups[group].legs[leg] for leg, group in of_leg])
 
-    @property
+    @cached_property
     def largest_gain(self) -> np.ndarray:
         """Swing of the joint that swings farthest per angle of its group, (G,)."""
         legs = (group.legs.values() for group in self.card.groups.values())

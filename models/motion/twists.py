@@ -82,7 +82,7 @@ class QuasiStaticTwists:
 
     kinematics: Kinematics
     ground: Ground
-    swing_speed: float = 0.0  # [rad/s], of the fastest group; 0 for Coulomb's law
+    swing_speed: float = 0.0  # [rad/s], of the fastest joint; 0 for Coulomb's law
     grip: tuple[float, float] | None = None  # of friction, along and across the legs
 
     def __call__(self, stratum: str, swing: Array, rates: Array) -> Array:
@@ -99,7 +99,7 @@ class QuasiStaticTwists:
         if on.sum() <= 3:
             loads = static_loads(stance.feet, stance.center_of_mass) * ground.shares
             return least_dissipation_twist(stance.feet, moved, loads, grip)
-        fastest = np.abs(rates).max(axis=-1, keepdims=True)
+        fastest = np.abs(rates * robot.largest_gain).max(axis=-1, keepdims=True)
         unit = np.where(fastest > 0, fastest, 1.0)
         per_radian = moved / unit[..., None]
         twist, _ = sliding_twist(stance, per_radian, ground, self.swing_speed, grip)

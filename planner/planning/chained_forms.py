@@ -40,7 +40,6 @@ AHEAD, TURN = "ahead", "turn"  # the combined fields
 MET = 1e-9  # distance from the goal to which flows of a chained form are followed
 CORRECTED = 1e-11  # distance above which they are corrected
 CORRECTABLE = 1e-2  # likewise, below which it is tried
-CORRECTIONS = 3
 FINER = (1, 4, 16)  # times as many segments that are tried
 CHART = 1.0  # [rad] to either side of its direction, for which a chart serves
 
@@ -133,7 +132,7 @@ class ChainedForm:
         """The plan in so many segments; what integration misses is made up for."""
         parts = [self._straight(start, goal, segments)]
         missed = [_apart(parts[-1], goal)]
-        while CORRECTED < missed[-1] < CORRECTABLE and len(missed) <= CORRECTIONS:
+        while CORRECTED < missed[-1] < CORRECTABLE and len(missed) <= 3:
             further = self._straight(parts[-1].nominal[-1], goal)
             missed.append(_apart(further, goal))
             if missed[-1] >= missed[-2]:

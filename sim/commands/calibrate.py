@@ -107,8 +107,7 @@ def _write(folder: RunFolder, name: str, text: str, known: int | None = None) ->
 
 def _owned(robot: Robot, folder: RunFolder, options: argparse.Namespace) -> Robot:
     """The robot whose card is written: a copy in the folder of one that is shipped."""
-    source = robot.path
-    card = source.with_suffix(".toml").resolve()  # it may be a link
+    source, card = robot.path, robot.path.with_suffix(".toml").resolve()
     if robot.has_card_inside and not options.check:
         remedy = f"move it to {source.with_suffix('.toml')}; then go on: {again()}"
         raise UsageError("the card is inside the robot's file", str(source), remedy)
@@ -132,7 +131,7 @@ def _calibrated(
 ) -> Mapping[str, str]:
     """Ask for every servo that the card does not have, and write it at once."""
     card, number = robot.card, len(robot.card.joints)
-    file = robot.path.with_suffix(".toml").resolve()
+    file = robot.path.with_suffix(".toml")
     known, pulse = dict(card.mounted), kind.signal == "pulse"
     board = description.parse_toml(robot.card_text).get("board", {})
     clock = card.board_clock if "clock" in board else None
@@ -157,15 +156,13 @@ def _calibrated(
         for joint, servo in _found(robot, kind, known, divider, ask):
             text = read_text(file)  # in which an owner may have written meanwhile
             there = description.parse_card(text, str(file))
-            taken = {one.channel: name for name, one in there.mounted.items()}
-            if other := taken.get(servo.channel):  # since it was asked for
-                facts = {"joint": joint, "other": other, "on": again()}
-                raise UsageError.of("other_channel", file, **facts)
+            if servo.channel in {one.channel for one in there.mounted.values()}:
+                raise UsageError.of("other_channel", file, joint=joint, on=again())
             limits = there.joint_servos.get(joint, JointServo()).limits
             servos = {**there.joint_servos, joint: replace(servo, limits=limits)}
             if "clock" in description.parse_toml(text).get("board", {}):
                 clock = there.board_clock
-            with whole(file) as part:
+            with whole(file.resolve()) as part:  # it may be a link
                 part.write_text(card_with(text, servos, clock, divider), "utf-8")
             known = {**there.mounted, joint: servo}
     out = [] if folder.path == Path(OUT) else ["--out", folder.path]

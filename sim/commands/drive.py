@@ -196,7 +196,9 @@ class Link:
         if due and (sensing.until is None or len(walk.stops) < sensing.until):
             while len(found) < sensing.readings and not self.poses.ended:
                 if walk.time > stopped + self.patience:
-                    cli.notice(f"t = {walk.time:.2f} s: no pose came", "warning")
+                    came = f"{len(found)} of {sensing.readings} poses"
+                    came = f"t = {walk.time:.2f} s: {came if found else 'no pose'} came"
+                    cli.notice(came, "warning")
                     break
                 self.send(walk, [walk.wait()])
                 since = self._since(stopped, walk.time)

@@ -48,8 +48,8 @@ def sweep(options: argparse.Namespace) -> ExitCode:
     with cli.working(options, "checking points"):
         points = sweeping.points_of(asked, shard)
     paths: list[Any] = [table.get("path", {}) for table in points.tables.values()]
-    for yaw in {path["goal"][2] for path in paths if "goal" in path}:
-        cli.tell_radians("yaw", yaw)
+    yaws = (abs(path["goal"][2]) for path in paths if "goal" in path)
+    cli.tell_radians("yaw", max(yaws, default=0.0))
     robots = {str(table["robot"]) for table in points.tables.values()}
     for path in map(Path, sorted(robots)):
         if path.is_file() and not path.with_suffix(".toml").exists():

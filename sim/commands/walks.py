@@ -11,6 +11,8 @@ from pathlib import Path
 from statistics import median
 from typing import NamedTuple
 
+import numpy as np
+
 from models import Robot
 from planner import PlannerError
 from sim.commands import options as cli
@@ -137,6 +139,8 @@ def play(options: argparse.Namespace) -> ExitCode:
     scenario = scenario_of(robot, files[0], cli.settings_of(options))
     read = cli.reader_of(options, robot, scenario)
     logs = [read(file) for file in files]
+    for pose in (log.pose for log in logs if log.pose is not None):
+        cli.tell_radians("body.yaw", float(np.nan_to_num(np.abs(pose[:, 2])).max()))
     try:
         log = within_reach(together(logs), robot)
         log = log.repeated(options.repeat) if options.repeat > 1 else log

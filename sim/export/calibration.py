@@ -154,6 +154,9 @@ def _draw(robot: Robot, folder: Path) -> None:
 
     model, kinematics = robot.model, Kinematics(robot)
     model.vis.global_.offwidth, model.vis.global_.offheight = WIDTH, HEIGHT
+    quality = model.vis.quality  # whatever the file asks for
+    quality.numslices, quality.numstacks, quality.numquads = 28, 16, 4
+    quality.shadowsize, quality.offsamples = 2048, 4
     model.geom_matid[:], model.light_castshadow[:] = -1, False
     data, view = mujoco.MjData(model), mujoco.MjvCamera()
     view.distance, view.elevation = DISTANCE * kinematics.reach, ELEVATION

@@ -137,7 +137,7 @@ def servo_table(
             joint: replace(servo, center=None, counts_per_radian=None)
             for joint, servo in known.items()
         }
-    elif on_bus and pwm is False and card.board_divider:
+    elif on_bus and pwm is False and given is None and card.board_divider and known:
         raise UsageError.of("no_ticks", "the robot's card")
     if on_bus and pwm:
         for joint in joints:  # a bus gives no pulses, so theirs must be known
@@ -156,7 +156,7 @@ def servo_table(
     ]
     if make and pwm:
         _require_pulses(servos, make)
-    ticks = round(2 * make.reach / make.resolution) if make else TURN
+    ticks = 2 * make.center if make else TURN
     return ServoTable(
         channels=tuple(sorted(servos, key=lambda servo: servo.channel)),
         largest=(FRAME if pwm else max(ticks, TURN if given else 0)) - 1,

@@ -154,7 +154,6 @@ def play(
     )
 
 
-LARGEST = 10**9  # bytes
 PWM = {"csv": None, "ros2": None, "header": True, "dynamixel": False}  # None: angles
 SECOND = 1_000_000_000  # [ns]
 LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # in C it is 10 times faster
@@ -201,7 +200,7 @@ def write(
 
 def read(path: Path, form: str, table: ServoTable) -> ServoCommands:
     """Read what `write` wrote; another file is a ValueError."""
-    text = read_text(path, LARGEST)
+    text = read_text(path, 10**9)  # bytes
     if form in ("csv", "dynamixel"):
         return read_table(text, None if form == "csv" else table)
     return read_trajectory(text) if form == "ros2" else read_header(text, table)

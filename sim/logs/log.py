@@ -201,7 +201,7 @@ def _log(
 ) -> Log:
     _check_time(time := columns.pop(TIME))
     contacts = {leg: f"{CONTACT}{leg}" for leg in legs}
-    turning = (*joints, *(MEASURED + joint for joint in joints), *ANGLES)
+    turning = (*joints, *(MEASURED + joint for joint in joints), *BODY["lean"])
     require_joints([*columns], [*turning, *chain(*BODY.values()), *contacts.values()])
     columns = {k: v for k, v in columns.items() if k in joints or np.isfinite(v).any()}
     commanded = tuple(name for name in columns if name in joints)
@@ -210,7 +210,7 @@ def _log(
     for name, numbers in columns.items():
         if not isinstance(angles, str) and (j := name.removeprefix(MEASURED)) in joints:
             columns[name] = angles[j](numbers)
-        elif angles == "degrees" and name in turning:
+        elif angles == "degrees" and name in (*turning, *ANGLES):
             columns[name] = np.radians(numbers)
     start, done = time - time[0], [*_said_of_clock(time)]
     of = {c: c[:-6] for c in BODY["spread"]} | {MEASURED + j: j for j in joints}

@@ -20,7 +20,6 @@ from sim.errors import UsageError
 from sim.problems.problem import Problem
 
 PLAN_TIME = 300.0  # [s]
-PATH_POINTS = 1001  # that a plan's deviation is measured from
 OBJECTIVES: tuple[optimisation.Objective, ...] = get_args(optimisation.Objective)
 
 
@@ -126,7 +125,7 @@ class SystemProblem(Problem):
         groups = [place] if place else []
         groups += [[i] for i in compared if i not in (*place, *freed)]
         groups += [[i] for i in freed]
-        points = self.problem.path.at(np.linspace(0.0, 1.0, PATH_POINTS))
+        points = self.problem.path.at(np.linspace(0.0, 1.0, 1001))
         states = rollout(self.stratified, optimisation.FLOW_SAMPLES)
         found = optimisation.deviation(states, points, groups)
         least = 0.01 * float(np.abs(points - points[0]).max())  # of its size

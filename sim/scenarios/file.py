@@ -11,7 +11,7 @@ from typing import Any
 from models.description import parse_toml, toml_key, toml_text
 from planner.support import did_you_mean, placed, read_text
 from sim.endings import command
-from sim.errors import UsageError, telling
+from sim.errors import UsageError, printable, telling
 from sim.progress import say
 from sim.scenarios import body_path as nominal, obstacles as shapes
 from sim.scenarios.body_path import START
@@ -247,7 +247,7 @@ def tell_of_run(source: Path) -> None:
     """Say whose settings a run's scenario has, which another robot is to walk."""
     if source.is_file() and source.with_name("summary.json").exists():
         told = "has all settings of a run, those that its robot gave as well"
-        say(f"stratawalk: notice: {source} {told}")
+        say(f"stratawalk: notice: {printable(' '.join(str(source).split()))} {told}")
 
 
 def toml_value(value: object) -> str:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from models.description import one_make
+from models.description import KNOWN_SERVOS, one_make
 from planner.support import did_you_mean
 from sim.errors import UsageError
 from sim.scenarios.body_path import NominalPath
@@ -158,7 +158,11 @@ def _fitted(scenario: Scenario, robot: "Robot") -> Scenario:
     found: dict[str, Any] = {}
     own = robot.card.servo.made if robot.card.servo else ""
     make = own if scenario.servo in (None, "own") else scenario.servo
-    other = (make or "ideal") != robot.card.fitted.get("servo", own or "ideal")
+    fit = one_make(str(robot.card.fitted.get("servo", own or "ideal")))
+    if fit not in (makes := ("ideal", *KNOWN_SERVOS)):
+        near = did_you_mean(fit, makes)
+        raise UsageError(f"fitted.servo = {fit!r} is unknown", card, near)
+    other = (make or "ideal") != fit
     if robot.card.fitted.get("joints", joints := [*robot.card.joints]) != joints:
         raise UsageError.of("fitted_joints", card)
     for key, value in robot.card.fitted.items():

@@ -226,7 +226,7 @@ def _place(axes: "Axes", results: Results, key: str, way: str) -> list[float]:
         getattr(axes, f"set_{way}ticks")(ticks, labels[::every])
         getattr(axes, f"set_{way}lim")(-0.5, len(labels) - 0.5)
         longest = max(map(len, labels))
-        if way == "x" and len(labels) * longest > ACROSS:
+        if way == "x" and longest > min(ACROSS / len(labels), 16):
             axes.tick_params(axis="x", rotation=90)
             cast("Figure", axes.figure).set_figheight(SHEET_HEIGHT + LETTER * longest)
         return [float(labels.index(_label(value))) for value in values]

@@ -217,11 +217,6 @@ def test_folder_is_that_of_its_robot_and_not_of_its_scene(tmp_path):
     ADOPTEES[0].write(tmp_path)
     (tmp_path / "scene.xml").write_text("<mujoco><include file='spider.xml'/></mujoco>")
     assert source_of(str(tmp_path)).path == tmp_path / "spider.xml"
-    assert source_of(str(tmp_path)).notes == ()
-    (tmp_path / "worm.xml").write_text("<mujoco><!-- <freejoint/> --></mujoco>")
-    said = "spider.xml, as worm.xml is a robot, too"
-    assert source_of(str(tmp_path)).notes == (said,)
-    (tmp_path / "worm.xml").unlink()
     (tmp_path / "spider.xml").unlink()
     with pytest.raises(
         UnknownRobotError, match="no MJCF file with a free joint, of 1 in all"

@@ -4,6 +4,7 @@ import pytest
 
 from models.adoption.draft import draft_card
 from models.adoption.source import source_of
+from scripts.adoptees import ADOPTEES
 from tests.models.adoption.test_draft import BOX, written
 
 
@@ -36,3 +37,11 @@ def test_a_joint_whose_limits_are_in_degrees_is_named(tmp_path, end, told):
         assert note.startswith(
             "joint 'yaw6' may turn by 5157 degrees: limits of a URDF"
         )
+
+
+def test_a_robot_of_several_in_a_folder_is_named(tmp_path):
+    ADOPTEES[0].write(tmp_path)
+    assert source_of(str(tmp_path)).notes == ()
+    (tmp_path / "worm.xml").write_text("<mujoco><!-- <freejoint/> --></mujoco>")
+    (note,) = source_of(str(tmp_path)).notes
+    assert note == "spider.xml, as worm.xml is a robot, too"

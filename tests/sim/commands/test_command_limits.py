@@ -109,7 +109,7 @@ def test_more_servos_than_a_board_has_channels_are_refused_at_once(tmp_path, hex
     of_legs = dict(zip(joints[:4], hexapod.card.joints, strict=False))
     card = SimpleNamespace(
         joints=joints,
-        joint_servos={joint: JointServo(channel=n) for n, joint in enumerate(of_legs)},
+        mounted={joint: JointServo(channel=n) for n, joint in enumerate(of_legs)},
         board_clock=25e6,
     )
     robot = SimpleNamespace(

@@ -293,40 +293,6 @@ def stranger(below=""):
     return card
 
 
-def test_a_channel_that_the_card_has_got_meanwhile_is_given_to_no_second_joint(
-    calibrate, capsys
-):
-    card, board = stranger(), Board(1)
-    owner, other = board.owner(), f"\n[servo.lift_1]\nchannel = {min(board.channel)}\n"
-
-    def answer(question):
-        if "mark 2: " not in question and "mark 2 " in question:
-            card.write_text(stranger_text + other)
-        return owner(question)
-
-    stranger_text = card.read_text()
-    assert calibrate(answer, "own.xml") == 2
-    assert "the channel of 'swing" in (said := told_of(capsys))
-    assert "has become that of 'lift_1'" in said
-    assert card.read_text() == stranger_text + other
-
-
-def test_a_servo_of_which_only_limits_are_known_is_asked_for_and_keeps_them(
-    calibrate, capsys
-):
-    board, below = Board(1), "[servo.lift_2]\nlimits = [-0.6, 0.9]\n"
-    card = stranger(below)
-    assert found("own.xml")[1].assumed
-    assert calibrate(None, "own.xml", "--check") == 2
-    assert "no servo for joint" in told_of(capsys)
-    assert calibrate(board.owner(), "own.xml") == 0
-    servo = load("own.xml").card.joint_servos["lift_2"]
-    assert servo.channel == board.channel[board.joints.index("lift_2")]
-    assert servo.limits == (-0.6, 0.9)
-    assert "clock = " in card.read_text()
-    assert not found("own.xml")[1].assumed
-
-
 def test_what_is_not_calibrated_is_not_checked(calibrate, capsys):
     assert calibrate(None, ROBOT, "--check") == 2
     assert "find them first: stratawalk calibrate" in told_of(capsys)

@@ -92,6 +92,8 @@ def test_servos_of_a_card_have_no_more_ticks_than_their_make(center):
         made.counts(commands([0.0, 0.01 if center else -0.01]))
     given = servo_table(card, JOINTS, BUS, False, servos)  # of a table of others
     assert (made.largest, given.largest) == (1023, 4095)
+    near = replace(SERVO_KINDS["xl-330"], reach=1.2)  # which turns less far
+    assert servo_table(card, JOINTS, near, False).largest == 4095
 
 
 def test_counts_of_pulses_are_no_ticks():
@@ -104,6 +106,8 @@ def test_counts_of_pulses_are_no_ticks():
     with pytest.raises(UsageError, match="counts of its servos are of pulses"):
         servo_table(card, JOINTS, SERVO_KINDS["xl-330"], False)
     assert servo_table(card, JOINTS, SERVO_KINDS["xl-330"], None).joints == JOINTS
+    given = {j: JointServo(channel=n) for n, j in enumerate(JOINTS, 1)}
+    assert servo_table(card, JOINTS, SERVO_KINDS["xl-330"], False, given).channels
 
 
 def test_angles_are_in_the_order_of_channels():

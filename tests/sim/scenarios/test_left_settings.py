@@ -26,7 +26,7 @@ def fitted(tmp_path):
 
 
 @pytest.mark.parametrize("servo", ["xl-330", "ideal", "MG90", "own", None])
-@pytest.mark.parametrize("made", [{"servo": "mg90"}, {}], ids=["named", "earlier"])
+@pytest.mark.parametrize("made", [{"servo": "MG90"}, {}], ids=["named", "earlier"])
 def test_what_was_fitted_of_a_make_of_servo_is_of_no_other_make(servo, made):
     """Zeros, friction and the like are the robot's, whatever servos it has."""
     robot = load("hexapod-classroom")
@@ -41,6 +41,13 @@ def test_what_was_fitted_of_a_make_of_servo_is_of_no_other_make(servo, made):
     other = replace(robot, card=replace(robot.card, servo=bus))
     changed = drawn(load_scenario("line"), other)  # what the card says since
     assert changed.servo_stiffness == (None if made else 7.46)
+
+
+@pytest.mark.parametrize("odd", ["mg91", 3, ["mg90"]])
+def test_a_fit_of_a_make_that_there_is_not_is_refused(fitted, odd):
+    card = replace(fitted.card, fitted={"servo": odd})
+    with pytest.raises(UsageError, match="fitted.servo = .* is unknown"):
+        drawn(load_scenario("line"), replace(fitted, card=card))
 
 
 def test_a_fitted_number_yields_to_one_that_is_named_though_it_is_the_default(fitted):

@@ -153,7 +153,9 @@ def test_labels_at_an_axis_are_as_many_as_are_read(axes, count, read):
     assert labels == words[:: -(-count // read)]
 
 
-@pytest.mark.parametrize(("count", "letters", "turned"), [(7, 10, 0), (4, 18, 90)])
+@pytest.mark.parametrize(
+    ("count", "letters", "turned"), [(7, 10, 0), (4, 18, 90), (2, 35, 90)]
+)
 def test_labels_that_would_touch_are_turned(axes, count, letters, turned):
     words = [f"{k}".ljust(letters, "x") for k in range(count)]
     _place(axes, SimpleNamespace(columns={"w": words}), "w", "x")

@@ -22,7 +22,7 @@ from sim.sweeps.file import (
     read_sweep,
     sobol_block,
 )
-from sim.sweeps.folder import About, Shard
+from sim.sweeps.folder import Shard
 from sim.sweeps.sweeping import points_of
 from tests.commands import told
 from tests.sweeps import write_sweep
@@ -181,23 +181,6 @@ def test_tables_are_flattened_but_for_ranges_and_what_has_a_kind():
         "a.b": 1, "a.c.d": 2, "r": {"from": 0, "to": 1}, "p": {"kind": "k"},
     }  # fmt: skip
     assert dict(flat({"r": {"from": 0}})) == {"r.from": 0}
-    assert dict(flat({"a" * 99: {"b" * 99: 1}}))
-    with pytest.raises(UsageError, match="no setting is called 'aaa"):
-        dict(flat({"a" * 100: {"b" * 100: 1}}))
-
-
-@pytest.mark.parametrize("friction", ["1979-05-27", "inf", "nan"])
-def test_a_scenario_s_value_that_no_file_of_results_can_hold_is_refused(
-    tmp_path, friction
-):
-    """Though the sweep gives others in its place."""
-    path = tmp_path / "s.toml"
-    own = f'friction = {friction}\npath = {{ kind = "line", goal = [0.005, 0, 0] }}\n'
-    path.write_text(f"{own}[grid]\nfriction = [0.5, 1.0]\n")
-    sweep = read_sweep(str(path))
-    assert sweep.at(0).friction == 0.5
-    with pytest.raises(UsageError, match="give numbers and texts, also where other"):
-        About.of(sweep)
 
 
 def test_measures_that_are_left_out_are_sorted_and_known():

@@ -3,8 +3,8 @@
 import pytest
 
 from sim.errors import UsageError
-from sim.sweeps.file import read_sweep
-from sim.sweeps.folder import Shard
+from sim.sweeps.file import flat, read_sweep
+from sim.sweeps.folder import About, Shard
 from sim.sweeps.sweeping import points_of
 from tests.sweeps import write_sweep
 
@@ -145,3 +145,23 @@ def test_walks_of_one_plan_come_one_after_another(tmp_path):
     assert found == [
         ("centred", 0.5), ("centred", 1.0), ("paper", 0.5), ("paper", 1.0)
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize("friction", ["1979-05-27", "inf", "nan"])
+def test_a_scenario_s_value_that_no_file_of_results_can_hold_is_refused(
+    tmp_path, friction
+):
+    """Though the sweep gives others in its place."""
+    path = tmp_path / "s.toml"
+    own = f'friction = {friction}\npath = {{ kind = "line", goal = [0.005, 0, 0] }}\n'
+    path.write_text(f"{own}[grid]\nfriction = [0.5, 1.0]\n")
+    sweep = read_sweep(str(path))
+    assert sweep.at(0).friction == 0.5
+    with pytest.raises(UsageError, match="give numbers and texts, also where other"):
+        About.of(sweep)
+
+
+def test_names_longer_than_any_setting_s_are_refused_at_once():
+    assert dict(flat({"a" * 99: {"b" * 99: 1}}))
+    with pytest.raises(UsageError, match="no setting is called 'aaa"):
+        dict(flat({"a" * 100: {"b" * 100: 1}}))

@@ -1,0 +1,45 @@
+"""Servos of which a card says something before, or while, they are calibrated."""
+
+from models import load
+from tests.sim.export.test_calibration import (
+    Board,
+    calibrate,  # noqa: F401 (a fixture)
+    found,
+    stranger,
+    told_of,
+)
+
+
+def test_a_channel_that_the_card_has_got_meanwhile_is_given_to_no_second_joint(
+    calibrate,  # noqa: F811
+    capsys,
+):
+    card, board = stranger(), Board(1)
+    owner, other = board.owner(), f"\n[servo.lift_1]\nchannel = {min(board.channel)}\n"
+
+    def answer(question):
+        if "mark 2: " not in question and "mark 2 " in question:
+            card.write_text(stranger_text + other)
+        return owner(question)
+
+    stranger_text = card.read_text()
+    assert calibrate(answer, "own.xml") == 2
+    assert "has become another joint's" in told_of(capsys)
+    assert card.read_text() == stranger_text + other
+
+
+def test_a_servo_of_which_only_limits_are_known_is_asked_for_and_keeps_them(
+    calibrate,  # noqa: F811
+    capsys,
+):
+    board, below = Board(1), "[servo.lift_2]\nlimits = [-0.6, 0.9]\n"
+    card = stranger(below)
+    assert found("own.xml")[1].assumed
+    assert calibrate(None, "own.xml", "--check") == 2
+    assert "no servo for joint" in told_of(capsys)
+    assert calibrate(board.owner(), "own.xml") == 0
+    servo = load("own.xml").card.joint_servos["lift_2"]
+    assert servo.channel == board.channel[board.joints.index("lift_2")]
+    assert servo.limits == (-0.6, 0.9)
+    assert "clock = " in card.read_text()
+    assert not found("own.xml")[1].assumed
