@@ -22,7 +22,6 @@ from planner.execution import reposition_legs
 FEWEST_LEGS, MOST_LEGS = 4, 6  # legs of robots for which crawls are searched for
 PLACES = 9  # of the feet, along each axis
 SHARES = (1.0, 0.75, 0.5, 0.35, 0.25, 0.15)  # of the longest stroke
-LEAST_STROKE = 0.04  # [rad] to either side, of a stroke
 PUSHED = 0.3  # of the way that the fastest foot would push the body without slip
 TINY = 1e-12  # in the place of a zero to divide by
 IDLE = 0.05  # of the fastest leg's swing: legs slower than that are left out
@@ -110,7 +109,7 @@ def find_crawl(pose: Pose, limbs: Sequence[Limb], ranges: Array, source: str) ->
     body = _Body.of(pose, limbs)
     every = product(_postures(body, ranges), SHARES)
     tries = [replace(crawl, stroke=share * crawl.stroke) for crawl, share in every]
-    worthy = (crawl for crawl in tries if crawl.stroke > LEAST_STROKE)
+    worthy = (crawl for crawl in tries if crawl.stroke > 0.04)  # [rad]
     for crawl in sorted(worthy, key=lambda crawl: -crawl.worth):
         ways = product((crawl.forward, crawl.turning), (-1, 1))
         ends = [side * crawl.stroke * gains for gains, side in ways]

@@ -285,6 +285,7 @@ def _stroke(
         whole = whole_state(task, start, x)
         for i, rate in centred.items():
             whole[i] = (u - 0.5) * d * rate
-        return ca.vertcat(*(velocity(whole)[i] for i in task.moved))
+        rates = velocity(whole)
+        return ca.vertcat(*(rates[i] for i in task.moved))
 
     return along

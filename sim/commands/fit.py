@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from models import Robot, shipped_robots
+from models.description import one_make
 from sim.commands import options as cli
 from sim.endings import command
 from sim.errors import UsageError
@@ -23,7 +24,7 @@ from sim.logs.playing import scenario_of
 from sim.preparation.setup import Setup, prepare
 from sim.progress import bar, stage
 from sim.runs.run import Run, read_run
-from sim.scenarios.scenario import FITTED
+from sim.scenarios.scenario import FITTED, OF_SERVOS
 from sim.scenarios.settings import SETTINGS
 from sim.templates import render
 
@@ -43,6 +44,9 @@ def fit(options: argparse.Namespace) -> None:
         setup, logs, walked = _sources(options)
     for line in dict.fromkeys(line for log in logs for line in log.done):
         cli.notice(line)
+    card, make = setup.robot.card, setup.servo.name
+    alike = one_make(str(card.fitted.get("servo", make))) == make
+    known = {k: v for k, v in card.fitted.items() if alike or k not in OF_SERVOS}
     walking = walked is not None if options.walking is None else options.walking
     fitted: dict[str, tuple[fitting.Value, fitting.Value]] = {}
     facts: dict[str, object] = {}
@@ -51,8 +55,7 @@ def fit(options: argparse.Namespace) -> None:
         if angles := [log for log in logs if log.measured is not None]:
             with stage(progress, "fitting servos"):
                 fit = fitting.fit_joints(setup, angles, walking)
-            card = setup.robot.card
-            fitted |= fit.settings(card.joints, card.fitted)
+            fitted |= fit.settings(card.joints, known)
             both = zip(fit.joints, fit.before.tolist(), fit.after.tolist(), strict=True)
             kept = {joint: {"before": b, "after": a} for joint, b, a in both if b == b}
             facts["servos"] = {"unseen": fit.make.unseen(), "held_out": kept}
@@ -69,12 +72,11 @@ def fit(options: argparse.Namespace) -> None:
             rows = [(p.name, c, MILLI_UNITS.get(p.unit, p.unit)) for p, c in cells]
             facts["body"], parts["body"] = found, found | {"rows": rows}
     if options.out is not None:
-        servo, own = setup.servo.name, setup.robot.card.servo
-        if servo != (own.made if own and own.made else "ideal"):
-            cli.notice(f"what was fitted of servos is of {servo} alone")
-        text = fitting.card_text(setup.robot, fitted, options.sources, servo)
+        if make != (card.servo.made if card.servo and card.servo.made else "ideal"):
+            cli.notice(f"what was fitted of servos is of {make} alone")
+        text = fitting.card_text(setup.robot, fitted, options.sources, make)
         parts["written"] = fitting.write_card(setup.robot, Path(options.out), text)
-        earlier = (setup.robot.card.fitted.keys() - fitted.keys()) & SETTINGS.keys()
+        earlier = (known.keys() - fitted.keys()) & SETTINGS.keys()
         if lost := ", ".join(sorted(earlier)):
             cli.notice(f"{lost} of an earlier fit: copy to {options.out} what holds")
     settings = {key: {"value": v, "error": e} for key, (v, e) in fitted.items()}

@@ -17,7 +17,6 @@ FRAMES = (24.0, 1526.0)  # that a PCA9685 can give in a second
 TURN = 4096  # ticks of a Dynamixel in a turn, where nothing else is given
 NEAR = 1e-9  # [rad]; beyond a limit, for rounding
 PWM = SERVO_KINDS["mg90"]  # where no servo is named
-FEWEST_COUNTS = 10.0  # in a radian; hobby servos have 100 and more
 PULSES = (300.0, 3000.0)  # [us] for the middle; hobby servos have 1500
 BUS_NUMBERS = range(1, 254)  # ids of servos; a bus has other uses for 254 and 255
 
@@ -67,7 +66,7 @@ class ServoTable:
                 facts = {"joints": joints, "channel": servo.channel}
                 raise UsageError.of("one_channel", "the servo table", **facts)
         for servo in self.channels:
-            if servo.counts_per_radian < FEWEST_COUNTS:
+            if servo.counts_per_radian < 10.0:  # hobby servos have 100
                 facts = {"joint": servo.joint, "angle": 1 / servo.counts_per_radian}
                 raise UsageError.of("coarse_servo", "the servo table", **facts)
         most = 255 if self.frame_rate else BUS_NUMBERS[-1]  # 255: a byte of a header

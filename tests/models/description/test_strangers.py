@@ -9,6 +9,7 @@ import zlib
 import numpy as np
 import pytest
 
+from models.description import inspection
 from models.description.robot import FOLDER
 from models.errors import ModelError, UnknownRobotError
 from models.library import load
@@ -191,3 +192,16 @@ def test_a_folder_that_is_a_link_to_itself_has_no_robot(tmp_path):
     (tmp_path / "loop").symlink_to(tmp_path / "loop")
     with pytest.raises(UnknownRobotError, match="no such robot file"):
         load(str(tmp_path / "loop" / "x.xml"))
+
+
+@pytest.mark.parametrize(("balls", "large"), [(700, False), (790, True)])
+def test_freedoms_are_as_many_as_small_matrices_of_them_hold(tmp_path, balls, large):
+    """Some 2,200 of them, whose matrices take 350 MB."""
+    body = "<body><joint type='ball' damping='1'/><geom size='.01' contype='0'/></body>"
+    path = tmp_path / "balls.xml"
+    path.write_text(f"<mujoco><worldbody>{balls * body}</worldbody></mujoco>")
+    if not large:
+        assert inspection.examine(path) == [path]
+        return
+    with pytest.raises(ModelError, match="GB"):
+        inspection.examine(path)

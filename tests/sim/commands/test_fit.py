@@ -145,6 +145,28 @@ def test_runs_that_are_fitted_together_are_of_one_robot_and_its_servos(
     assert where == str(tmp_path / ("1" if "settin" in said else "2"))
 
 
+@pytest.mark.parametrize(("servo", "kept"), [("MG996R", True), ("xl-330", False)])
+def test_dead_bands_of_servos_of_another_make_are_not_kept(
+    monkeypatch, hexapod, servo, kept
+):
+    given = {"servo": servo, "dead_band": [0.1], "zero_offset": [0.2], "errors": {}}
+    robot = replace(hexapod, card=replace(hexapod.card, fitted=given))
+    setup = SimpleNamespace(robot=robot, servo=SimpleNamespace(name="mg996r"))
+    asked, shown = [], {"rows": [], "unseen": {}, "before": 0.0, "after": 0.0}
+    servos = SimpleNamespace(
+        settings=lambda joints, earlier: asked.append(earlier) or {},
+        joints=(), before=np.zeros(0), after=np.zeros(0),
+        make=SimpleNamespace(unseen=list),
+    )  # fmt: skip
+    log = SimpleNamespace(measured=np.zeros((9, 1)), done=())
+    monkeypatch.setattr(command, "_sources", lambda _: (setup, [log], None))
+    monkeypatch.setattr(command.fitting, "fit_joints", lambda *_: servos)
+    monkeypatch.setattr(command, "_of_servos", lambda _: shown)
+    fit(options())
+    (found,) = asked
+    assert found.keys() == (given.keys() if kept else given.keys() - {"dead_band"})
+
+
 def test_a_card_that_was_changed_since_is_of_the_same_robot(monkeypatch, hexapod):
     card = replace(hexapod.card, fitted={"friction": 0.3}, description="mine")
     assert command._made(replace(hexapod, card=card)) == command._made(hexapod)

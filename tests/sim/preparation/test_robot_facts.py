@@ -1,6 +1,7 @@
 """A robot in numbers, as `stratawalk robots ROBOT` shows it."""
 
 import json
+from dataclasses import replace
 from math import cos, sin
 from shutil import copy
 
@@ -88,3 +89,10 @@ def test_the_command_shows_one_robot_or_why_it_cannot_be_used(tmp_path, capsys):
     assert (
         "leg 1: raise = 1 makes joint 'lf_2' lower its foot" in capsys.readouterr().err
     )
+
+
+def test_servos_are_shown_as_they_were_fitted():
+    robot = load("hexapod-classroom")
+    robot = replace(robot, card=replace(robot.card, fitted={"servo_stiffness": 7.46}))
+    servos = inspected(load_scenario("line"), robot)["servos"]
+    assert (servos["name"], servos["stiffness"]) == ("mg90", 7.46)

@@ -6,14 +6,14 @@ import pytest
 from planner.systems.flows import Flow
 from sim.experiments.identification import twist_model
 from sim.motion.schedule import Scheduler
+from sim.optimisation.judging import task_of
 from sim.preparation.scheduling import schedule_flows
 from sim.preparation.setup import prepare
+from sim.scenarios.file import load_scenario
 
 
 @pytest.fixture(scope="module")
 def setup():
-    from sim.scenarios.file import load_scenario
-
     return prepare(load_scenario("line", {"segments": 2}))
 
 
@@ -36,3 +36,17 @@ def test_commands_are_those_of_the_whole_schedule_piece_by_piece(setup):
     assert len(pieces) > 1
     assert np.array_equal(np.concatenate(pieces), whole)
     assert np.array_equal(np.concatenate(list(setup.commands(schedule, 7))), whole[:7])
+
+
+def test_speeds_of_a_walk_are_those_of_the_joints_that_swing_farthest(edited):
+    """Whose legs may swing twice as far as their group; strokes then last as long."""
+    legs = "legs = {{ 1 = -{0}, 4 = -1, 5 = -{0} }}"
+    plain, made = (
+        prepare(load_scenario("line"), edited(legs.format(1), legs.format(gain)))
+        for gain in (1, 2)
+    )
+    assert made.limits.gains == (2.0, 1.0)
+    one, two = (task_of(setup, (0.01, 0.1)).price for setup in (plain, made))
+    assert {name: two[name] / one[name] for name in ("g1_1", "g2_2")} == {
+        "g1_1": pytest.approx(2.0), "g2_2": pytest.approx(1.0)
+    }  # fmt: skip
