@@ -29,7 +29,7 @@ from .servos import (
     KNOWN_SERVOS as KNOWN_SERVOS,
     board_divider as board_divider,
     board_rate as board_rate,
-    one_make as one_make,
+    make_named as make_named,
     servo_of as servo_of,
 )
 from .table import (

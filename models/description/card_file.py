@@ -5,7 +5,7 @@ from dataclasses import fields
 from pathlib import Path
 
 from models.description import card
-from models.description.servos import BOARD_CLOCK, NUMBERS, JointServo, one_make
+from models.description.servos import BOARD_CLOCK, NUMBERS, JointServo, make_named
 from models.description.table import Table, parse_toml
 from models.errors import ModelError, message
 from planner.support import read_text
@@ -114,7 +114,7 @@ def _servo(servo: Table) -> card.Servo | None:
     if servo.values and not common:
         return None
     table = Table(common, "servo", KEYS["servo"])
-    kind = one_make(table.text("kind", ""))
+    kind = make_named(table.text("kind", ""))
     data = {key: table.number(key) for key in NUMBERS if kind and key in table}
     made = card.made_of(kind, data) if kind else None
     if double := [key for key in ("stiffness", "damping") if kind and key in table]:

@@ -243,7 +243,7 @@ Example:
 NEEDED = ("stall_torque", "no_load_speed")
 
 
-def one_make(name: str) -> str:
+def make_named(name: str) -> str:
     """The name of a make, for whichever of its names, in small or capital letters."""
     return ALSO.get(name.lower(), name.lower())
 
@@ -254,7 +254,7 @@ def servo_of(name: str, given: Mapping[str, float] | None = None) -> ServoKind:
     Raises:
         ValueError: There is no such make, or a number is missing or impossible.
     """
-    name, given = one_make(name), given or {}
+    name, given = make_named(name), given or {}
     require_known("it", name, KNOWN_SERVOS)
     if missing := [n for n in NEEDED if name in GENERIC and n not in given]:
         lacking = f"it has no {' and no '.join(missing)}"

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from models import Robot, shipped_robots
-from models.description import one_make
+from models.description import make_named
 from sim.commands import options as cli
 from sim.endings import command
 from sim.errors import UsageError
@@ -45,7 +45,7 @@ def fit(options: argparse.Namespace) -> None:
     for line in dict.fromkeys(line for log in logs for line in log.done):
         cli.notice(line)
     card, make = setup.robot.card, setup.servo.name
-    alike = one_make(str(card.fitted.get("servo", make))) == make
+    alike = make_named(str(card.fitted.get("servo", make))) == make
     known = {k: v for k, v in card.fitted.items() if alike or k not in OF_SERVOS}
     walking = walked is not None if options.walking is None else options.walking
     fitted: dict[str, tuple[fitting.Value, fitting.Value]] = {}

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from models.description import KNOWN_SERVOS, one_make
+from models.description import KNOWN_SERVOS, make_named
 from planner.support import did_you_mean
 from sim.errors import UsageError
 from sim.scenarios.body_path import NominalPath
@@ -57,7 +57,7 @@ class Scenario(Settings):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.servo:
-            object.__setattr__(self, "servo", one_make(self.servo))
+            object.__setattr__(self, "servo", make_named(self.servo))
         for name in self.known if isinstance(self.known, tuple) else ():
             if name not in IMPERFECTIONS:
                 facts = {"name": name, "near": did_you_mean(name, IMPERFECTIONS)}
@@ -158,7 +158,7 @@ def _fitted(scenario: Scenario, robot: "Robot") -> Scenario:
     found: dict[str, Any] = {}
     own = robot.card.servo.made if robot.card.servo else ""
     make = own if scenario.servo in (None, "own") else scenario.servo
-    fit = one_make(str(robot.card.fitted.get("servo", own or "ideal")))
+    fit = make_named(str(robot.card.fitted.get("servo", own or "ideal")))
     if fit not in (makes := ("ideal", *KNOWN_SERVOS)):
         near = did_you_mean(fit, makes)
         raise UsageError(f"fitted.servo = {fit!r} is unknown", card, near)
