@@ -3,6 +3,7 @@
 from argparse import Namespace
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from sim.commands import calibrate, export, options as cli, studies, walks
@@ -99,16 +100,18 @@ def test_what_is_read_back_may_differ_by_a_count_of_the_finest_servo(
     assert found == (("commands", 50.0), "read", pytest.approx(coarse))
 
 
-def test_logs_that_do_not_fit_together_are_refused_with_the_first(monkeypatch):
+def test_logs_that_do_not_fit_together_are_refused_with_the_first(monkeypatch, capsys):
     def together(logs):
         raise ValueError("other joints")
 
     monkeypatch.setattr(walks, "together", together)
     monkeypatch.setattr(cli, "robot_of", lambda *_: None)
-    monkeypatch.setattr(cli, "reader_of", lambda *_: lambda file: file)
+    log = SimpleNamespace(pose=np.array([[0, 0, np.nan], [0, 0, 90.0]]))
+    monkeypatch.setattr(cli, "reader_of", lambda *_: lambda _: log)
     monkeypatch.setattr("sim.logs.playing.scenario_of", lambda *_: None)
     given = {"robot": "hexapod", "set": [], "repeat": 1, "video": False}
     with pytest.raises(UsageError) as caught:
         walks.play(Namespace(files=["only.csv"], **given))
     assert "only.csv" in str(caught.value)
     assert "other joints" in str(caught.value)
+    assert "body.yaw is in radians: 90 degrees is 1.5708" in capsys.readouterr().err

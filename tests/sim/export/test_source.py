@@ -153,7 +153,7 @@ def test_limits_of_a_card_are_kept(commands):
 
 def test_counts_beyond_what_servos_have_are_refused(commands):
     with pytest.raises(UsageError, match="'swing_2' goes to"):
-        table(given={"swing_2": JointServo(center=4090.0)}).counts(commands)
+        table(given={"swing_2": JointServo(center=80.0)}).counts(commands)
 
 
 def test_two_joints_on_one_channel_are_refused():
