@@ -8,7 +8,6 @@ from pathlib import Path
 from planner.support import read_file
 
 FILE = re.compile(r"""package://([^/"']+)/([^"']+)""")
-PARENTS = 4  # folders above a URDF in which its packages are looked for
 
 
 def with_packages(text: str, folder: Path) -> str:
@@ -18,7 +17,7 @@ def with_packages(text: str, folder: Path) -> str:
 
 def _found(folder: Path, name: re.Match[str]) -> str:
     """A file of a package above or beside the URDF, which may be in it itself."""
-    above = (folder, *folder.parents[:PARENTS])
+    above = (folder, *folder.parents[:4])  # a few folders up
     places = [at / name[2] for at in above if _called(at) == name[1]]
     for at in above:  # a package is often kept in a folder of another name
         places += [at.joinpath(*name.groups()), *[at / name[2]] * (not _called(at))]

@@ -155,7 +155,6 @@ def _from_urdf(path: Path, text: str) -> str:
     return re.sub(' meshdir="[^"]*"', lambda _: here, str(spec.to_xml()), count=1)
 
 
-THICKNESS = 0.06  # radius of a rod in lengths of the longest one
 SLOW = 2.0  # [rad/s]; legs swing at half a radian a second, and lift at one
 DECIMAL = re.compile(r"\d+\.?\d*|\.\d+")
 
@@ -215,7 +214,7 @@ def with_shapes(path: Path, given: str, text: str) -> tuple[str, tuple[str, ...]
             link.remove(shape)
         if lost and link.find("collision") is None:
             missing |= dict.fromkeys(lost.values())
-            _draw(path, link, ends[str(link.get("name"))], THICKNESS * longest)
+            _draw(path, link, ends[str(link.get("name"))], 0.06 * longest)  # thick
         elif fewer := [name for s, name in lost.items() if s.tag == "collision"]:
             notes += (guess("fewer", shown=first(fewer), link=link.get("name")),)
     if missing:

@@ -187,6 +187,11 @@ class Card:
             raise ValueError(message("least_load", given=least))
 
     @property
+    def make(self) -> str:
+        """Make of its servos; `ideal` where none is named."""
+        return (self.servo and self.servo.made) or "ideal"
+
+    @property
     def mounted(self) -> dict[str, JointServo]:
         """Servos of which it is known where they are plugged in, by joint."""
         servos = self.joint_servos.items()

@@ -14,7 +14,6 @@ from io import BufferedReader
 from pathlib import Path
 from secrets import token_hex
 
-LETTERS = 40  # characters of a name, that leave room for more
 LARGEST_TEXT = 10**7  # bytes of a text that somebody has written
 _unfinished: set[Path] = set()
 
@@ -30,7 +29,7 @@ def whole_file(path: Path | str, size: int = 0, new: bool = False) -> Iterator[P
     takes no name that another one has, which is a FileExistsError.
     """
     path = Path(path)
-    part = path.parent / f".{path.stem[:LETTERS]}.{token_hex(8)}.part{path.suffix}"
+    part = path.parent / f".{path.stem[:40]}.{token_hex(8)}.part{path.suffix}"
     _unfinished.add(part)
     try:
         require_space(path.parent, size)

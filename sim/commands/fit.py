@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 
 from models import Robot, shipped_robots
-from models.description import make_named
 from sim.commands import options as cli
 from sim.endings import command
 from sim.errors import UsageError
@@ -24,7 +23,7 @@ from sim.logs.playing import scenario_of
 from sim.preparation.setup import Setup, prepare
 from sim.progress import bar, stage
 from sim.runs.run import Run, read_run
-from sim.scenarios.scenario import FITTED, OF_SERVOS
+from sim.scenarios.scenario import FITTED, fitted_to
 from sim.scenarios.settings import SETTINGS
 from sim.templates import render
 
@@ -45,8 +44,7 @@ def fit(options: argparse.Namespace) -> None:
     for line in dict.fromkeys(line for log in logs for line in log.done):
         cli.notice(line)
     card, make = setup.robot.card, setup.servo.name
-    alike = make_named(str(card.fitted.get("servo", make))) == make
-    known = {k: v for k, v in card.fitted.items() if alike or k not in OF_SERVOS}
+    known = fitted_to(card, make)
     walking = walked is not None if options.walking is None else options.walking
     fitted: dict[str, tuple[fitting.Value, fitting.Value]] = {}
     facts: dict[str, object] = {}
@@ -72,7 +70,7 @@ def fit(options: argparse.Namespace) -> None:
             rows = [(p.name, c, MILLI_UNITS.get(p.unit, p.unit)) for p, c in cells]
             facts["body"], parts["body"] = found, found | {"rows": rows}
     if options.out is not None:
-        if make != (card.servo.made if card.servo and card.servo.made else "ideal"):
+        if make != card.make:
             cli.notice(f"what was fitted of servos is of {make} alone")
         text = fitting.card_text(setup.robot, fitted, options.sources, make)
         parts["written"] = fitting.write_card(setup.robot, Path(options.out), text)

@@ -30,7 +30,6 @@ LEAST_LIFT = 5e-4  # [m]
 INSIDE_FEET = -1e-6  # share of the weight on each of three feet that bear it
 FLAT_FEET = 1e-9  # [m^2]; feet on a line make no triangle
 TOGETHER = 10**6  # triangles of feet at moments, which take 300 MB together
-DIGITS = 9  # of heights [m] that differ
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +76,7 @@ class Posture:
         falls = np.flatnonzero(inside.any(axis=1) & ~held)
         # no foot is beneath that triangle around the weight which is lowest there
         under = (shares * feet[:, three, 2]).sum(axis=2)
-        lowest = np.where(inside, under, np.inf)[falls].round(DIGITS).argmin(axis=1)
+        lowest = np.where(inside, under, np.inf)[falls].round(9).argmin(axis=1)
         tilt, above = _seen_from_plane(feet[falls], three[lowest])
         upright = tilt <= np.tan(UPRIGHT)
         standing[rows[falls[upright]]] = above[upright] <= self.near

@@ -32,7 +32,6 @@ from sim.scenarios.scenario import Scenario
 from sim.scenarios.settings import SETTINGS
 
 SURE = 2.146  # standard deviations of a normal point in the plane that hold 90 %
-PICTURED = 1e5  # [m] that a path leads; a picture has no numbers for a robot beyond
 PLACES = ("contact_point", "center_of_mass")  # arrays of points that are not poses
 STATES = {"qvel", "contact", "slip", "achieved_margin", *PLACES}  # of any walk
 START = "world_start_pose"  # array with the frame in which poses are given
@@ -271,7 +270,7 @@ def read_run(folder: Path, *, inspected: bool = False) -> Run:
         if len(run.stops) > run.phases[-1].segment + 1:
             raise ValueError("feedback.csv has more stops than the walk has segments")
         _ = run.obstacles  # which say in time what is wrong, as the path does
-        if (far := np.abs(run.nominal[:, :2]).max()) > PICTURED:
+        if (far := np.abs(run.nominal[:, :2]).max()) > 1e5:  # [m], for a picture
             raise ValueError(f"its path leads {far:.3g} m away")
         if lacks := STATES.difference(run.arrays):
             raise KeyError(f"{min(lacks)} in trajectory.npz")

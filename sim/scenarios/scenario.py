@@ -17,7 +17,7 @@ from sim.scenarios.predictions import COMPLIANT, imperfect, known_of, prediction
 from sim.scenarios.settings import IMPERFECTIONS, SETTINGS, Settings
 
 if TYPE_CHECKING:
-    from models import Robot
+    from models import Card, Robot
 
 FITTED = ("friction", "payload", "slope", "servo_stiffness", "servo_damping",
           "command_delay", "dead_band", "backlash", "zero_offset")  # fmt: skip
@@ -152,24 +152,26 @@ def drawn(scenario: Scenario, robot: "Robot") -> Scenario:
     return replace(found, known=tuple(kept) or "none")
 
 
+def fitted_to(card: "Card", make: str) -> dict[str, object]:
+    """What was fitted to a robot's logs, of its servos only what is of a make."""
+    fit, makes = card.fitted.get("servo", card.make), ("ideal", *KNOWN_SERVOS)
+    if (of := make_named(str(fit))) not in makes:
+        what, near = f"fitted.servo = {fit!r} is unknown", did_you_mean(of, makes)
+        raise UsageError(what, "the robot's card", near)
+    return {k: v for k, v in card.fitted.items() if of == make or k not in OF_SERVOS}
+
+
 def _fitted(scenario: Scenario, robot: "Robot") -> Scenario:
     card = f"the card of {robot}"
     known = (*FITTED, "servo", "joints", "source", "errors")
     found: dict[str, Any] = {}
-    own = robot.card.servo.made if robot.card.servo else ""
-    make = own if scenario.servo in (None, "own") else scenario.servo
-    fit = make_named(str(robot.card.fitted.get("servo", own or "ideal")))
-    if fit not in (makes := ("ideal", *KNOWN_SERVOS)):
-        near = did_you_mean(fit, makes)
-        raise UsageError(f"fitted.servo = {fit!r} is unknown", card, near)
-    other = (make or "ideal") != fit
+    make = scenario.servo if scenario.servo not in (None, "own") else robot.card.make
     if robot.card.fitted.get("joints", joints := [*robot.card.joints]) != joints:
         raise UsageError.of("fitted_joints", card)
-    for key, value in robot.card.fitted.items():
+    for key, value in fitted_to(robot.card, make).items():
         if key not in known:
             raise UsageError.of("fitted", card, key=key, near=did_you_mean(key, known))
-        of_other = other and key in OF_SERVOS
-        if key in FITTED and not of_other and scenario.leaves(key):
+        if key in FITTED and scenario.leaves(key):
             kind, allowed = SETTINGS[key].kind, SETTINGS[key].allowed
             found[key] = accept(value, kind, allowed, card, key)
     return replace(scenario, **found) if found else scenario

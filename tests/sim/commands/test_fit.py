@@ -145,11 +145,14 @@ def test_runs_that_are_fitted_together_are_of_one_robot_and_its_servos(
     assert where == str(tmp_path / ("1" if "settin" in said else "2"))
 
 
-@pytest.mark.parametrize(("servo", "kept"), [("MG996R", True), ("xl-330", False)])
+@pytest.mark.parametrize(
+    ("servo", "kept"), [("MG996R", True), ("xl-330", False), (None, False)]
+)
 def test_dead_bands_of_servos_of_another_make_are_not_kept(
     monkeypatch, hexapod, servo, kept
 ):
-    given = {"servo": servo, "dead_band": [0.1], "zero_offset": [0.2], "errors": {}}
+    given = {"dead_band": [0.1], "zero_offset": [0.2], "errors": {}}
+    given |= {"servo": servo} if servo else {}  # else they are of the card's own make
     robot = replace(hexapod, card=replace(hexapod.card, fitted=given))
     setup = SimpleNamespace(robot=robot, servo=SimpleNamespace(name="mg996r"))
     asked, shown = [], {"rows": [], "unseen": {}, "before": 0.0, "after": 0.0}
