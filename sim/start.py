@@ -23,10 +23,11 @@ def main() -> int:
     signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDS)  # they waited for this
     # All is said on any terminal, and nothing where there is none.
     sys.stdin = sys.stdin or open(os.devnull)  # noqa: SIM115
-    sys.stdout = sys.stdout or open(os.devnull, "w")  # noqa: SIM115
-    sys.stderr = sys.stderr or open(os.devnull, "w")  # noqa: SIM115
-    for stream in (sys.stdout, sys.stderr):
-        stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
+    for name in ("stdout", "stderr"):  # without a buffer, words may be lost in silence
+        given = getattr(sys, name)
+        file = given.fileno() if given else os.open(os.devnull, os.O_WRONLY)
+        how = "w", 1, given and given.encoding, "backslashreplace"
+        setattr(sys, name, open(file, *how, closefd=False))  # noqa: SIM115
     gc.set_threshold(50_000)  # objects between searches for garbage: most last
     os.environ["PYTHONSAFEPATH"] = "1"  # no process takes modules of a working folder
     for name in [name for name in os.environ if name.startswith("SYMPY_")]:

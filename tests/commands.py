@@ -84,7 +84,6 @@ def _run(words, folder, environment, *paths):
     os.environ.update(environment)
     for number, path in enumerate(paths, start=1):
         os.dup2(os.open(path, os.O_WRONLY | os.O_CREAT), number)
-    sys.stdout, sys.stderr = map(os.fdopen, (1, 2), "ww")
     sys.argv = ["stratawalk", *words]
     sys.exit(start.main())
 

@@ -9,7 +9,7 @@ from math import degrees
 from pathlib import Path
 from typing import TypeVar
 
-from models import JointServo, Robot, ServoKind, description, load
+from models import JointServo, Kinematics, Robot, ServoKind, description, load
 from planner.support import read_file, read_text, unfinished
 from sim.commands import options as cli
 from sim.commands.declared import real, whole as counted
@@ -73,7 +73,8 @@ def _prepare(
         MIDDLE=kind.at_rate(rate).center,
         JOG=20,  # counts
     )
-    rows = [(j, *map(degrees, marks(robot, j))) for j in robot.card.joints]
+    hinge = Kinematics(robot).hinge
+    rows = [(j, *map(degrees, marks(robot, j)), *hinge(j)) for j in robot.card.joints]
     page = render("calibration.html", title=f"Calibration of {robot}", rows=rows)
     _write(folder, PAGE, page)
     _write(folder, SHEET, sheet(robot))

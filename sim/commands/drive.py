@@ -33,7 +33,7 @@ REPLY = 0.02  # [s], for an answer to a command that is written out of real time
 
 def drive(options: argparse.Namespace) -> None:
     """Drive the robot to the end of the scenario's path."""
-    scenario = cli.scenario_of(options)
+    scenario = cli.scenario_of(options, stops=True)
 
     from sim.evaluation.causes import say
     from sim.export.served import served

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from models import Robot, shipped_robots
+from planner import Array
 from sim.commands import options as cli
 from sim.endings import command
 from sim.errors import UsageError
@@ -26,8 +27,13 @@ from sim.runs.run import Run, read_run
 from sim.scenarios.scenario import FITTED, fitted_to
 from sim.scenarios.settings import SETTINGS
 from sim.templates import render
+from sim.world.servos import servo_settings
 
-BUILT = ("body_mass", "body_inertia", "body_pos", "body_quat", "jnt_axis")
+BUILT = ("body_mass", "body_inertia", "body_pos", "body_quat", "body_ipos",
+         "body_iquat", "jnt_pos", "jnt_axis", "jnt_stiffness", "dof_damping",
+         "dof_armature", "dof_frictionloss")  # fmt: skip
+SHAPES = "geom_pos", "geom_quat", "geom_size"  # of what touches
+ROUNDED = 1e-5  # of the largest number of a kind; files have some seven digits
 OTHERS = ("servo", "servo_data", "command_rate", "resolution", "dead_band_law",
           "dead_band_spread", "floor_stiffness", "foot_friction", "bumps")  # fmt: skip
 """Settings of servos and the floor that are the same in runs fitted together."""
@@ -127,18 +133,32 @@ def _require_alike(
     runs: Mapping[Path, Run], robots: Mapping[Path, Robot], robot: Robot, first: str
 ) -> None:
     """Refuse runs of other robots than the one that is fitted, or of other worlds."""
-    known, scenarios = _made(robot), [run.scenario for run in runs.values()]
-    for path, own in zip(runs, scenarios, strict=True):
-        if _made(robots[path]) != known:
+    scenarios = [run.scenario for run in runs.values()]
+    for (path, run), own in zip(runs.items(), scenarios, strict=True):
+        if not _is_alike(robots[path], robot):
             raise UsageError.of("other_robot", path, first=first)
         for name in (*FITTED, *OTHERS, *["draw"] * own.is_imperfect):
             if getattr(own, name) != getattr(scenarios[0], name):
                 raise UsageError.of("other_world", path, name=name, first=[*runs][0])
+        if run.summary.servo.get("name") != servo_settings(own, robot.card).name:
+            raise UsageError.of("other_world", path, name="servo", first=robot.path)
 
 
-def _made(robot: Robot) -> tuple[object, ...]:
-    """What a robot's motion depends on, beside its servos."""
-    return robot.card.legs, *(getattr(robot.model, name).tolist() for name in BUILT)
+def _is_alike(robot: Robot, other: Robot) -> bool:
+    """Whether robots have, but for rounding, all that motion depends on but servos."""
+    if robot.card.legs != other.card.legs:
+        return False
+    return all(
+        a.shape == b.shape and np.allclose(a, b, 0, ROUNDED * abs(a).max(initial=0))
+        for a, b in zip(_made(robot), _made(other), strict=True)
+    )
+
+
+def _made(robot: Robot) -> list[Array]:
+    model = robot.model
+    touches = (model.geom_contype | model.geom_conaffinity) > 0
+    shapes = [getattr(model, name)[touches] for name in SHAPES]
+    return [getattr(model, name) for name in BUILT] + shapes
 
 
 def _check_logs(paths: Sequence[Path], logs: Sequence[Log], held: bool) -> None:

@@ -28,8 +28,8 @@ DONE = "the work is done and its files are written; only what it prints is lost"
 FAR = 5.0  # [m], 20 times the reach of shipped robots; others may mean millimetres
 
 
-def scenario_of(options: argparse.Namespace) -> "Scenario":
-    """The scenario that the command line asks for; a UsageError if it cannot be."""
+def scenario_of(options: argparse.Namespace, stops: bool = False) -> "Scenario":
+    """The scenario that is asked for; UsageError. It `stops`, or only if it replans."""
     from sim.scenarios.file import load_scenario, shipped_scenarios, tell_of_run
 
     source = options.scenario
@@ -45,6 +45,11 @@ def scenario_of(options: argparse.Namespace) -> "Scenario":
     if "robot" in overrides:
         tell_of_run(Path(source))
     scenario = load_scenario(source, overrides)
+    stops |= scenario.replan
+    for name, setting in SETTINGS.items():
+        unused = name.startswith(("sense", "gyro", "learn")) and not stops
+        if unused and getattr(scenario, name) not in (setting.default, False):
+            raise UsageError.of("unused", f"scenario {scenario.name!r}", name=name)
     *place, yaw = scenario.path.goal
     tell_radians("yaw", yaw)
     for given in (dict[str, Any](each.given) for each in scenario.obstacles):

@@ -148,10 +148,11 @@ def on_floor(setup: Setup, model: mujoco.MjModel, log: Log, servos: Array) -> Co
     inertia, leg = _inertia(setup.as_planned.model, _dofs(setup.as_planned.model, log))
     load = model.actuator_gainprm[actuators, 0] * spring - np.exp(servos[:, 1]) * speed
     load -= inertia * np.gradient(speed, dt, axis=0)
-    begins = np.arange(ahead, len(time), round(LAW_STEP / dt))
+    steps = max(round(LAW_STEP / dt), 1)
+    begins = np.arange(ahead, len(time), steps)
     counts = np.diff(np.append(begins, len(time)))[:, None]
     mean = np.add.reduceat(load, begins) / counts
-    return Commanded(LAW_STEP, _asked(setup, log, time[begins]), mean, inertia, leg)
+    return Commanded(steps * dt, _asked(setup, log, time[begins]), mean, inertia, leg)
 
 
 def _asked(setup: Setup, log: Log, time: Array) -> Array:

@@ -20,6 +20,7 @@ from sim.errors import UsageError, message
 from sim.evaluation.verdict import Word
 from sim.scenarios.declaration import refusal
 from sim.scenarios.predictions import PREDICTIONS
+from sim.sweeps.file import MOST_KEYS
 from sim.sweeps.folder import SIDE_BY_SIDE, SweepFolder
 from sim.sweeps.table import read_table
 
@@ -133,6 +134,8 @@ def read_results(path: Path, prediction: str = "") -> Results:
     if "vary" not in asked or strange or lacking:
         what = ", ".join(["it does not say what varies", *strange, *lacking])
         raise UsageError(what, str(file), "give the table that a sweep has written")
+    if len(keys) > MOST_KEYS:
+        raise UsageError.of("keys", file, count=len(keys), most=MOST_KEYS)
     if (given := len(keys) * len(columns["point"])) > MOST_GIVEN:
         raise UsageError.of("many_given", file, given=given, most=MOST_GIVEN)
     columns.setdefault("verdict", [None] * len(columns["point"]))

@@ -3,6 +3,7 @@
 import re
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from models.description import is_plain
@@ -64,7 +65,8 @@ def test_names_add_no_element_to_a_replay(walked):
 
 def test_names_add_no_element_to_the_page_of_a_calibration():
     def page(joints):
-        rows = [(joint, 30.0, 60.0) for joint in joints]
+        axis = np.array([0.0, 0.0, -1.0])
+        rows = [(joint, 30.0, 60.0, axis, axis) for joint in joints]
         return render("calibration.html", title=f"of {joints[0]}", rows=rows)
 
     plain, hostile = page(["swing"] * len(PLAIN)), page(PLAIN)

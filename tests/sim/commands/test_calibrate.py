@@ -123,3 +123,16 @@ def test_the_copy_of_a_robot_in_a_run_is_left_as_it_was_sealed(answered, tmp_pat
     said = answered(copies / "quadruped.xml", "--out", tmp_path / "c")
     assert "as a run has walked it, which is sealed: " in said
     assert "; calibrate your own quadruped.xml, and walk again" in said
+
+
+def test_pictures_of_axes_that_were_turned_round_since_are_not_gone_on_with(
+    answered, tmp_path
+):
+    """Every sense that an owner told by them would be the wrong one."""
+    for name in ("hexapod.xml", "hexapod.toml", "scene.xml"):
+        shutil.copy(FOLDER / name, tmp_path)
+    robot, out = tmp_path / "hexapod.xml", tmp_path / "c"
+    assert "answers end" in answered(robot, "--out", out)
+    turned = robot.read_text().replace('axis="0 0 1"', 'axis="0 0 -1"')
+    robot.write_text(turned)
+    assert f"already exists: {out / 'index.html'}" in answered(robot, "--out", out)

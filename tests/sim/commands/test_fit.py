@@ -2,12 +2,14 @@
 
 import json
 from argparse import Namespace
+from copy import copy
 from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from models import load
 from sim.commands import fit as command
 from sim.commands.fit import fit
 from sim.errors import UsageError
@@ -100,10 +102,11 @@ def refused(*given, **changes):
     return caught.value.what, caught.value.where
 
 
-def run_of(name, **settings):
+def run_of(name, made="ideal", **settings):
     """A finished run of a robot, whose scenario has settings that are not as usual."""
     scenario = replace(load_scenario("line"), robot=name, **settings)
-    return SimpleNamespace(scenario=scenario)
+    summary = SimpleNamespace(servo={"name": made})
+    return SimpleNamespace(scenario=scenario, summary=summary)
 
 
 def test_a_run_is_of_its_own_robot_and_fits_no_other(monkeypatch, tmp_path):
@@ -115,6 +118,13 @@ def test_a_run_is_of_its_own_robot_and_fits_no_other(monkeypatch, tmp_path):
     for other in "hexapod", "hexapod-radial":
         said = f"it was walked by another robot than {other}", str(tmp_path)
         assert refused(other, str(tmp_path)) == said
+
+
+def test_a_run_is_of_the_servos_that_its_robot_has(monkeypatch, tmp_path, hexapod):
+    """Those of the card may have been replaced since."""
+    monkeypatch.setattr(command, "read_run", lambda _: run_of("hexapod", "mg90"))
+    said = f"walked with another servo than {hexapod.path}", str(tmp_path)
+    assert refused(str(tmp_path)) == refused("hexapod", str(tmp_path)) == said
 
 
 @pytest.mark.parametrize(
@@ -170,9 +180,24 @@ def test_dead_bands_of_servos_of_another_make_are_not_kept(
     assert found.keys() == (given.keys() if kept else given.keys() - {"dead_band"})
 
 
-def test_a_card_that_was_changed_since_is_of_the_same_robot(monkeypatch, hexapod):
-    card = replace(hexapod.card, fitted={"friction": 0.3}, description="mine")
-    assert command._made(replace(hexapod, card=card)) == command._made(hexapod)
+def test_a_card_that_was_changed_since_is_of_the_same_robot(tmp_path, hexapod):
+    """So is a model that was written into a file, whose numbers are rounded."""
+    (tmp_path / "new.xml").write_text(hexapod.read().to_xml())
+    card = hexapod.card_text.replace("description = ", 'description = "new"\n# ', 1)
+    (tmp_path / "new.toml").write_text(card)
+    written = load(str(tmp_path / "new.xml"))
+    assert written.model.body_inertia.tolist() != hexapod.model.body_inertia.tolist()
+    assert command._is_alike(written, hexapod)
+
+
+@pytest.mark.parametrize("name", [*command.BUILT, *command.SHAPES])
+def test_a_robot_that_is_built_otherwise_is_another(hexapod, name):
+    """Its battery may lie elsewhere, or its legs be longer."""
+    model = copy(hexapod.model)
+    at = model.geom("foot_1").id if name in command.SHAPES else 1
+    getattr(model, name)[at] += 1e-3
+    changed = SimpleNamespace(card=hexapod.card, model=model)
+    assert not command._is_alike(changed, hexapod)
 
 
 @pytest.mark.parametrize("walking", [None, True, False])

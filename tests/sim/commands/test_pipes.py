@@ -1,5 +1,6 @@
 """Files that are none: pipes would be waited for, and devices never end."""
 
+import fcntl
 import os
 import shutil
 import socket
@@ -150,3 +151,16 @@ def test_files_that_no_one_has_written_are_not_read(tmp_path, monkeypatch, capsy
         assert main(words) == code
         (line,) = capsys.readouterr().err.splitlines()
         assert "larger than" in line
+
+
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_a_pipe_that_takes_a_part_is_a_fault_of_files(stratawalk, unbuffered):
+    reader, writer = os.pipe()
+    fcntl.fcntl(writer, fcntl.F_SETPIPE_SZ, 4096)  # less than the page of help has
+    os.set_blocking(writer, False)
+    try:
+        done = stratawalk("help", "run", stdout=writer, PYTHONUNBUFFERED=unbuffered)
+    finally:
+        os.close(writer)
+        os.close(reader)
+    assert (done.returncode, done.stderr.count("\n")) == (6, 1)

@@ -48,10 +48,13 @@ def test_an_unknown_set_is_refused_with_those_known():
         load_scenario("line", {"imperfect": "hobbit"})
 
 
+@pytest.mark.parametrize(
+    "words", ["run line", "plan line", "export line --format csv --out a"]
+)
 @pytest.mark.parametrize("given", ["learnt=[0.1]", "sense=tag", "sense_every=2"])
-def test_what_only_stops_need_is_refused_where_a_walk_has_none(given, capsys):
+def test_what_only_stops_need_is_refused_where_a_walk_has_none(words, given, capsys):
     name = given.partition("=")[0]
-    assert main(["run", "line", "--set", given]) == 2
+    assert main([*words.split(), "--set", given]) == 2
     said = capsys.readouterr().err
     assert f"{name} is for walks that are replanned, and this one is not: scen" in said
 

@@ -1,5 +1,6 @@
 """Which rows are fitted, and what is too small to be found."""
 
+from copy import copy
 from dataclasses import replace
 from datetime import date
 from pathlib import Path
@@ -12,8 +13,12 @@ from sim.cli import main
 from sim.commands.fit import _check_logs
 from sim.errors import UsageError
 from sim.fitting.estimate import Estimates, Parameter, _in_words
-from sim.fitting.fitting import JointFit, _rows, check_steps
+from sim.fitting.fitting import JointFit, _rows, check_steps, servos
 from sim.fitting.poses import BODY, PoseFit
+from sim.fitting.servo_law import known_servos, on_floor
+from sim.logs.log import Log
+from sim.preparation.setup import prepare
+from sim.scenarios.file import load_scenario
 from tests.sim.fitting.test_servos import classroom_log
 
 
@@ -140,3 +145,16 @@ def test_a_joint_that_a_log_hardly_measured_is_refused(tmp_path, capsys):
     (tmp_path / "log.csv").write_text("\n".join([head, *rows[:14], *last]))
     assert main(["fit", "hexapod-classroom", str(tmp_path / "log.csv")]) == 2
     assert "error: 14 measured angles of joint " in capsys.readouterr().err
+
+
+@pytest.mark.physics
+@pytest.mark.parametrize("step", [0.0015, 0.01])
+def test_loads_are_as_far_apart_as_the_steps_of_physics_allow(step):
+    """The law's own step need not be a number of them, nor longer than one."""
+    setup = prepare(load_scenario("line", {"robot": "hexapod-classroom"}))
+    joints = setup.robot.card.joints
+    log = Log(np.linspace(0, 1, 51), joints, np.zeros((51, len(joints))))
+    (model := copy(setup.as_planned.model)).opt.timestep = step
+    found = on_floor(setup, model, log, servos(*known_servos(setup, log)))
+    far = (len(found.angle) - 1) * found.step
+    assert far == pytest.approx(log.duration, abs=found.step)

@@ -36,6 +36,7 @@ def of(name, values):
     return foreign({**column("friction"), name: values})
 
 
+KEYS = [f"k{number}" for number in range(101)]
 FARTHEST_OFF = "error.quasi_static.farthest"
 FOREIGN = {
     "a file outside": (foreign(column("x/../../evil"), ["x/../../evil"]), "x/.."),
@@ -105,6 +106,10 @@ FOREIGN = {
     "no point that walked": (
         of("status", ["no plan; none", "ok?", "ok?"]),
         "no point has numbers, no plan; none: {file}; correct what the points",
+    ),
+    "keys without end": (
+        foreign(column("k0") | {k: [0.5] * 3 for k in KEYS}, KEYS),
+        "101 keys are given: {file}; give from 1 to 100 of them",
     ),
     "a word a row": (
         foreign(column("friction") | {"friction": [str(i) for i in range(3)]}),
