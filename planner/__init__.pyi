@@ -60,6 +60,7 @@ from .planning import (
     waypoints as waypoints,
 )
 from .systems import (
+    EXAMPLES as EXAMPLES,
     Flow as Flow,
     Gait as Gait,
     LevelSet as LevelSet,
@@ -68,5 +69,4 @@ from .systems import (
     bracket as bracket,
     contact_switches as contact_switches,
     flow_map as flow_map,
-    merged as merged,
 )

@@ -78,9 +78,10 @@ def is_plain(name: str) -> bool:
     """Whether a name can stand in tables, pages, terminals and firmware.
 
     Control characters and marks that turn the order of writing around would do
-    something there, and a backslash at the end of a line joins the next one to it.
+    something there, a backslash at the end of a line joins the next one to it, and
+    blanks at either end are lost.
     """
-    return name.isprintable() and not name.endswith("\\")
+    return name.isprintable() and not name.endswith("\\") and name == name.strip()
 
 
 LARGEST_NUMBER = 1e12  # numbers beyond it overflow somewhere

@@ -54,10 +54,9 @@ class Controllability:
         advice: What would help; empty if controllable.
 
     Example:
-        >>> from planner import StratifiedSystem, gait_controllability
-        >>> fields = {"12": {}, "1": {"f": [1, 0, 0]}, "2": {"g": [0, 1, "x"]}}
-        >>> walker = StratifiedSystem("x y z", fields, "12")
-        >>> found = gait_controllability(walker, ("12", "1", "12"), (0, 0, 0))
+        >>> from planner import EXAMPLES, gait_controllability
+        >>> walker, gait = EXAMPLES["walker"], ("12", "1", "12")
+        >>> found = gait_controllability(walker, gait, at=(0, 0, 0))
         >>> found.controllable, found.missing
         (False, ('y', 'z'))
     """
@@ -108,11 +107,9 @@ def gait_controllability(
         SingularConfigurationError: A field is not finite there.
 
     Example:
-        >>> from planner import StratifiedSystem, gait_controllability
-        >>> fields = {"12": {}, "1": {"f": [1, 0, 0]}, "2": {"g": [0, 1, "x"]}}
-        >>> walker = StratifiedSystem("x y z", fields, "12")
+        >>> from planner import EXAMPLES, gait_controllability
         >>> gait = ("12", "1", "12", "2", "12")
-        >>> found = gait_controllability(walker, gait, at=(0, 0, 0))
+        >>> found = gait_controllability(EXAMPLES["walker"], gait, at=(0, 0, 0))
         >>> found.controllable, found.decided_by, found.rank, found.dimension
         (True, 'closure', 3, 3)
     """

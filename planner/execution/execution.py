@@ -92,11 +92,10 @@ class Execution:
         ValueError: A choice is unknown.
 
     Example:
-        >>> from planner import Execution, StratifiedSystem, line, plan
-        >>> fields = {"f": [1, 0, 0], "g": [0, 1, "x"]}
-        >>> system = StratifiedSystem("x y z", {"0": fields}, "0")
+        >>> from planner import EXAMPLES, Execution, line, plan
         >>> path, order = line((0, 0, 0), (0, 0, 1)), Execution(coordinates="forward")
-        >>> [str(flow) for flow in plan(system, path, 1, execution=order).flows]
+        >>> found = plan(EXAMPLES["heisenberg"], path, 1, execution=order)
+        >>> list(map(str, found.flows))
         ['S0: +1 f', 'S0: +1 g', 'S0: -1 f', 'S0: -1 g']
     """
 

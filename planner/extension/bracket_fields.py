@@ -54,10 +54,8 @@ def hall_fields(
     `ValueError` says that there would be more elements than `most`.
 
     Example:
-        >>> from planner import StratifiedSystem, hall_fields
-        >>> fields = {"f": [1, 0, 0], "g": [0, 1, "x"]}
-        >>> system = StratifiedSystem("x y z", {"0": fields}, "0")
-        >>> hall_fields(system, ["f", "g"], max_degree=3).names
+        >>> from planner import EXAMPLES, hall_fields
+        >>> hall_fields(EXAMPLES["heisenberg"], ["f", "g"], max_degree=3).names
         ('f', 'g', '[f,g]')
     """
     own, state = [system.fields[name] for name in generators], system.state

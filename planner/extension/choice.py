@@ -80,10 +80,8 @@ def choose_elements(
         SingularConfigurationError: A field is not finite at one of them.
 
     Example:
-        >>> from planner import StratifiedSystem, choose_elements
-        >>> fields = {"f": [1, 0, 0], "g": [0, 1, "x"]}
-        >>> system = StratifiedSystem("x y z", {"0": fields}, "0")
-        >>> choose_elements(system, at=(0, 0, 0)).elements
+        >>> from planner import EXAMPLES, choose_elements
+        >>> choose_elements(EXAMPLES["heisenberg"], at=(0, 0, 0)).elements
         ('f', 'g', '[f,g]')
     """
     x = np.atleast_2d(np.asarray(at, dtype=float))

@@ -41,10 +41,8 @@ class ExtendedSystem:
 
     Example:
         >>> import numpy as np
-        >>> from planner import StratifiedSystem, extend
-        >>> fields = {"f": [1, 0, 0], "g": [0, 1, "x"]}
-        >>> system = StratifiedSystem("x y z", {"0": fields}, "0")
-        >>> extended = extend(system, ["f", "g", "[f,g]"])
+        >>> from planner import EXAMPLES, extend
+        >>> extended = extend(EXAMPLES["heisenberg"], ["f", "g", "[f,g]"])
         >>> extended.fictitious_inputs(np.array([1, 0, 0]), np.array([0, 1, 0]))
         array([ 0.,  1., -1.])
     """
@@ -173,10 +171,8 @@ def extend(
             bottom stratum, or does not commute with the lift fields (eq. 13).
 
     Example:
-        >>> from planner import StratifiedSystem, extend
-        >>> fields = {"f": [1, 0, 0], "g": [0, 1, "x"]}
-        >>> system = StratifiedSystem("x y z", {"0": fields}, "0")
-        >>> extend(system, ["f", "g", "[f,g]"]).columns((1, 0, 0))
+        >>> from planner import EXAMPLES, extend
+        >>> extend(EXAMPLES["heisenberg"], ["f", "g", "[f,g]"]).columns((1, 0, 0))
         array([[1., 0., 0.],
                [0., 1., 0.],
                [0., 1., 1.]])

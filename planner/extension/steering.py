@@ -55,10 +55,8 @@ class Steering:
 
     Example:
         >>> import numpy as np
-        >>> from planner import StratifiedSystem, extend
-        >>> fields = {"f": [1, 0, 0], "g": [0, 1, "x"]}
-        >>> system = StratifiedSystem("x y z", {"0": fields}, "0")
-        >>> steering = extend(system, ["f", "g", "[f,g]"]).steering
+        >>> from planner import EXAMPLES, extend
+        >>> steering = extend(EXAMPLES["heisenberg"], ["f", "g", "[f,g]"]).steering
         >>> steering.words(np.array([[0.0, 0.0, 1.0]]), "backward")
         [Word(fields=('f', 'g', 'f', 'g'), durations=[1.0, 1.0, -1.0, -1.0])]
     """

@@ -58,10 +58,8 @@ class Plan:
         ValueError: A value is misshapen or not finite, or names what the system lacks.
 
     Example:
-        >>> from planner import StratifiedSystem, line, plan
-        >>> fields = {"f": [1, 0, 0], "g": [0, 1, "x"]}
-        >>> system = StratifiedSystem("x y z", {"0": fields}, "0")
-        >>> found = plan(system, line((0, 0, 0), (0, 0, 1)), 1)
+        >>> from planner import EXAMPLES, line, plan
+        >>> found = plan(EXAMPLES["heisenberg"], line((0, 0, 0), (0, 0, 1)), 1)
         >>> found.elements, found.hall_coordinates
         (('f', 'g', '[f,g]'), array([[0., 0., 1.]]))
     """
@@ -175,10 +173,9 @@ def plan(
         RangeError: The plan leaves the limits; it suggests a number of segments.
 
     Example:
-        >>> from planner import StratifiedSystem, line, plan
-        >>> fields = {"f": [1, 0, 0], "g": [0, 1, "x"]}
-        >>> system = StratifiedSystem("x y z", {"0": fields}, "0")
-        >>> [str(flow) for flow in plan(system, line((0, 0, 0), (0, 0, 1)), 1).flows]
+        >>> from planner import EXAMPLES, line, plan
+        >>> found = plan(EXAMPLES["heisenberg"], line((0, 0, 0), (0, 0, 1)), 1)
+        >>> list(map(str, found.flows))
         ['S0: +1 f', 'S0: +1 g', 'S0: -1 f', 'S0: -1 g']
     """
     nominal = as_path(path)

@@ -84,10 +84,9 @@ def save_plan(plan: Plan, path: Path | str) -> None:
         OSError: The file cannot be written.
 
     Example:
-        >>> from planner import StratifiedSystem, line, load_plan, plan, save_plan
-        >>> fields = {"f": [1, 0, 0], "g": [0, 1, "x"]}
-        >>> system = StratifiedSystem("x y z", {"0": fields}, "0")
-        >>> save_plan(plan(system, line((0, 0, 0), (0, 0, 1)), 1), "plan.json")
+        >>> from planner import EXAMPLES, line, load_plan, plan, save_plan
+        >>> found = plan(EXAMPLES["heisenberg"], line((0, 0, 0), (0, 0, 1)), 1)
+        >>> save_plan(found, "plan.json")
         >>> len(load_plan("plan.json").flows)
         4
     """
@@ -112,10 +111,9 @@ def load_plan(path: Path | str) -> Plan:
         OSError: The file cannot be read.
 
     Example:
-        >>> from planner import StratifiedSystem, line, load_plan, plan, save_plan
-        >>> fields = {"f": [1, 0, 0], "g": [0, 1, "x"]}
-        >>> system = StratifiedSystem("x y z", {"0": fields}, "0")
-        >>> save_plan(plan(system, line((0, 0, 0), (1, 0, 0)), 2), "plan.json")
+        >>> from planner import EXAMPLES, line, load_plan, plan, save_plan
+        >>> found = plan(EXAMPLES["heisenberg"], line((0, 0, 0), (1, 0, 0)), 2)
+        >>> save_plan(found, "plan.json")
         >>> load_plan("plan.json").hall_coordinates.shape
         (2, 3)
     """

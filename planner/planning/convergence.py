@@ -85,10 +85,8 @@ def convergence_order(
         PlannerError: The elements do not follow the path.
 
     Example:
-        >>> from planner import StratifiedSystem, convergence_order, extend, line
-        >>> fields = {"drive": ["cos(a)", "sin(a)", 0], "turn": [0, 0, 1]}
-        >>> car = StratifiedSystem("x y a", {"0": fields}, "0")
-        >>> extended = extend(car, ["drive", "turn", "[drive,turn]"])
+        >>> from planner import EXAMPLES, convergence_order, extend, line
+        >>> extended = extend(EXAMPLES["car"], ["drive", "turn", "[drive,turn]"])
         >>> print(convergence_order(extended, line((0, 0, 0), (0, 1, 0))))
         the miss falls as n^-0.5 with n segments (degree 2 for brackets of degree 2)
     """

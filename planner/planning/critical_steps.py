@@ -78,10 +78,8 @@ def critical_step(
             misshapen or not finite.
 
     Example:
-        >>> from planner import StratifiedSystem, critical_step
-        >>> fields = {"drive": ["cos(a)", "sin(a)", 0], "turn": [0, 0, 1]}
-        >>> car = StratifiedSystem("x y a", {"0": fields}, "0")
-        >>> round(critical_step(car, at=(0, 0, 0), direction=(0, 1, 0)), 2)
+        >>> from planner import EXAMPLES, critical_step
+        >>> round(critical_step(EXAMPLES["car"], at=(0, 0, 0), direction=(0, 1, 0)), 2)
         1.06
     """
     if (shape := np.shape(direction)) != np.shape(at):
@@ -109,10 +107,8 @@ def least_critical_step(
     errors are those of `critical_step`.
 
     Example:
-        >>> from planner import StratifiedSystem, least_critical_step
-        >>> fields = {"drive": ["cos(a)", "sin(a)", 0], "turn": [0, 0, 1]}
-        >>> car = StratifiedSystem("x y a", {"0": fields}, "0")
-        >>> round(least_critical_step(car, at=(0, 0, 0)), 2)
+        >>> from planner import EXAMPLES, least_critical_step
+        >>> round(least_critical_step(EXAMPLES["car"], at=(0, 0, 0)), 2)
         0.71
     """
     steps = _Steps(system, at, execution)

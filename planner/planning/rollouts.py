@@ -43,10 +43,8 @@ def rollout(plan: Plan, samples: int = 1) -> Array:
     After the start there are `samples` for each flow, the last of them at its end.
 
     Example:
-        >>> from planner import StratifiedSystem, line, plan, rollout
-        >>> fields = {"f": [1, 0, 0], "g": [0, 1, "x"]}
-        >>> system = StratifiedSystem("x y z", {"0": fields}, "0")
-        >>> rollout(plan(system, line((0, 0, 0), (0, 0, 1)), 1))[-1]
+        >>> from planner import EXAMPLES, line, plan, rollout
+        >>> rollout(plan(EXAMPLES["heisenberg"], line((0, 0, 0), (0, 0, 1)), 1))[-1]
         array([0., 0., 1.])
     """
     return play(plan.system, plan.flows, plan.start, samples)
@@ -63,10 +61,9 @@ def play(
         ConvergenceError: A flow escapes to infinity.
 
     Example:
-        >>> from planner import Flow, StratifiedSystem, play
-        >>> fields = {"f": [1, 0, 0], "g": [0, 1, "x"]}
-        >>> system = StratifiedSystem("x y z", {"0": fields}, "0")
-        >>> play(system, [Flow("0", "f", 1), Flow("0", "g", 1)], (0, 0, 0))[-1]
+        >>> from planner import EXAMPLES, Flow, play
+        >>> flows = Flow("0", "f", 1), Flow("0", "g", 1)
+        >>> play(EXAMPLES["heisenberg"], flows, (0, 0, 0))[-1]
         array([1., 1., 1.])
     """
     if samples < 1:

@@ -79,10 +79,8 @@ def aim(
             is that of an open-loop plan.
 
     Example:
-        >>> from planner import Execution, StratifiedSystem, aim, extend, line, rollout
-        >>> fields = {"drive": ["cos(a)", "sin(a)", 0], "turn": [0, 0, 1]}
-        >>> car = StratifiedSystem("x y a", {"0": fields}, "0")
-        >>> extended = extend(car, ["drive", "turn", "[drive,turn]"])
+        >>> from planner import EXAMPLES, Execution, aim, extend, line, rollout
+        >>> extended = extend(EXAMPLES["car"], ["drive", "turn", "[drive,turn]"])
         >>> sideways = line((0, 0, 0), (0, 1, 0))
         >>> found = aim(extended, sideways, 4, Execution(coordinates="backward"))
         >>> bool(abs(rollout(found)[-1] - (0, 1, 0)).max() < 1e-8)
@@ -171,10 +169,8 @@ def steer(
         ConvergenceError: The shots do not come closer, or not within `max_shots`.
 
     Example:
-        >>> from planner import Execution, StratifiedSystem, extend, steer
-        >>> fields = {"drive": ["cos(a)", "sin(a)", 0], "turn": [0, 0, 1]}
-        >>> car = StratifiedSystem("x y a", {"0": fields}, "0")
-        >>> extended = extend(car, ["drive", "turn", "[drive,turn]"])
+        >>> from planner import EXAMPLES, Execution, extend, steer
+        >>> extended = extend(EXAMPLES["car"], ["drive", "turn", "[drive,turn]"])
         >>> execution = Execution(coordinates="backward")
         >>> shots = steer(extended, (0, 0, 0), (0, 1, 0), execution)
         >>> bool(shots.distances[-1] < 1e-9)

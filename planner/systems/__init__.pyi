@@ -1,4 +1,5 @@
 from .closure import LieClosure as LieClosure, involutive_closure as involutive_closure
+from .examples import EXAMPLES as EXAMPLES
 from .fields import (
     NumericField as NumericField,
     VectorField as VectorField,

@@ -66,7 +66,7 @@ def merged(flows: Iterable[Flow]) -> tuple[Flow, ...]:
     """Join consecutive flows along one field, and drop those that cancel.
 
     Example:
-        >>> from planner import Flow, merged
+        >>> from planner.systems import Flow, merged
         >>> merged([Flow("0", "f", 0.5), Flow("0", "f", 0.5)])
         (Flow(stratum='0', field='f', duration=1.0),)
     """
@@ -111,10 +111,8 @@ def contact_switches(
     strata; a gait is followed through strata without flows, too.
 
     Example:
-        >>> from planner import Flow, StratifiedSystem, contact_switches
-        >>> fields = {"12": {}, "1": {"f": [1, 0, 0]}, "2": {"g": [0, 1, "x"]}}
-        >>> walker = StratifiedSystem("x y z", fields, "12")
-        >>> contact_switches(walker, [Flow("1", "f", 1), Flow("2", "g", 1)])
+        >>> from planner import EXAMPLES, Flow, contact_switches
+        >>> contact_switches(EXAMPLES["walker"], [Flow("1", "f", 1), Flow("2", "g", 1)])
         4
     """
     ends = start or system.bottom, goal or system.bottom
@@ -136,10 +134,8 @@ def flow_map(
         ConvergenceError: The flow escapes to infinity, or the field is not smooth.
 
     Example:
-        >>> from planner import StratifiedSystem, flow_map
-        >>> fields = {"f": [1, 0, 0], "g": [0, 1, "x"]}
-        >>> system = StratifiedSystem("x y z", {"0": fields}, "0")
-        >>> flow_map(system, "g", (1, 0, 0), 2.0)
+        >>> from planner import EXAMPLES, flow_map
+        >>> flow_map(EXAMPLES["heisenberg"], "g", (1, 0, 0), 2.0)
         array([1., 2., 2.])
     """
     field, start = system.compiled(name), np.asarray(x, dtype=float)
@@ -199,10 +195,8 @@ class Gait:
         StratumError: The sequence is not a closed walk in the graph.
 
     Example:
-        >>> from planner import Gait, StratifiedSystem
-        >>> fields = {"12": {}, "1": {"f": [1, 0, 0]}, "2": {"g": [0, 1, "x"]}}
-        >>> walker = StratifiedSystem("x y z", fields, "12")
-        >>> print(Gait(walker, ("12", "1", "12", "2", "12")))
+        >>> from planner import EXAMPLES, Gait
+        >>> print(Gait(EXAMPLES["walker"], ("12", "1", "12", "2", "12")))
         S12 -> S1 -> S12 -> S2 -> S12
     """
 

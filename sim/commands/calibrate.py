@@ -15,7 +15,7 @@ from sim.commands import options as cli
 from sim.commands.declared import real, whole as counted
 from sim.endings import again, command, keeping, way_on
 from sim.errors import RenderError, UsageError, printable
-from sim.export.calibration import card_with, draw, joint_servo, marks, sheet, strokes
+from sim.export import calibration
 from sim.export.header import write_header
 from sim.export.servo_table import BUS_NUMBERS, servo_table
 from sim.export.source import write_table
@@ -24,7 +24,6 @@ from sim.templates import render
 
 BOARD_CHANNELS = range(16)
 MEGAHERTZ = 1e6  # [Hz]
-NONE = "-"
 MOST_MISTAKES = 100  # of a person at one question; a pipe may hold any number
 T = TypeVar("T")
 OUT = "calibration"  # the folder that files go to where none is named
@@ -73,11 +72,11 @@ def _prepare(
         MIDDLE=kind.at_rate(rate).center,
         JOG=20,  # counts
     )
-    hinge = Kinematics(robot).hinge
-    rows = [(j, *map(degrees, marks(robot, j)), *hinge(j)) for j in robot.card.joints]
+    joints, hinge = robot.card.joints, Kinematics(robot).hinge
+    rows = [(j, *map(degrees, calibration.marks(robot, j)), *hinge(j)) for j in joints]
     page = render("calibration.html", title=f"Calibration of {robot}", rows=rows)
     _write(folder, PAGE, page)
-    _write(folder, SHEET, sheet(robot))
+    _write(folder, SHEET, calibration.sheet(robot))
     try:
         _write(folder, tool, f"{text}\n")
     except UsageError:  # an owner has begun with it
@@ -90,7 +89,7 @@ def _prepare(
         return
     with cli.working(options, "drawing the joints"):
         try:
-            draw(robot, folder.path, allow_external=options.allow_external)
+            calibration.draw(robot, folder.path, allow_external=options.allow_external)
         except RenderError as error:
             cli.notice(str(error), "warning")
 
@@ -136,7 +135,7 @@ def _calibrated(
     known, pulse = dict(card.mounted), kind.signal == "pulse"
     board = description.parse_toml(robot.card_text).get("board", {})
     clock = card.board_clock if "clock" in board else None
-    _require_room(robot)
+    calibration.require_room(robot, pulse)
     free = {*BOARD_CHANNELS} - {servo.channel for servo in known.values()}
     if pulse and number - len(known) > len(free):
         raise UsageError.of("channels", file, left=number - len(known), free=len(free))
@@ -164,22 +163,12 @@ def _calibrated(
             if "clock" in description.parse_toml(text).get("board", {}):
                 clock = there.board_clock
             with whole(file.resolve()) as part:  # it may be a link
-                part.write_text(card_with(text, servos, clock, divider), "utf-8")
+                text = calibration.card_with(text, servos, clock, divider)
+                part.write_text(text, "utf-8")
             known = {**there.mounted, joint: servo}
     out = [] if folder.path == Path(OUT) else ["--out", folder.path]
     check = command("calibrate", robot.path, "--check", *out)
     return {"card": f"{file}, {len(known)} servos", "next": check}
-
-
-def _require_room(robot: Robot) -> None:
-    """Refuse a card that would not be TOML with the servos of all joints."""
-    servos = dict.fromkeys(robot.card.joints, JointServo())
-    try:
-        text = card_with(robot.card_text, servos, description.BOARD_CLOCK, 4)
-        description.parse_toml(text)
-    except ValueError as error:
-        card, why = robot.path.with_suffix(".toml"), str(error).partition(" (at")[0]
-        raise UsageError.of("unwritten", card, why=why) from error
 
 
 def _clock(ask: "_Asker") -> float | None:
@@ -207,12 +196,12 @@ def _found(
     channels = BOARD_CHANNELS if kind.signal == "pulse" else BUS_NUMBERS
 
     def which(text: str) -> str:
-        if text not in (*left, NONE):
+        if text not in (*left, "-"):
             raise ValueError(f"no joint {text!r}; left are {', '.join(left)}")
         return text
 
     def servo(joint: str, channel: int) -> JointServo:
-        angles = marks(robot, joint)
+        angles = calibration.marks(robot, joint)
         while True:
             turned = ask("  as counts grew, did it turn to mark 2 (+) or 1 (-)? ", str)
             one, two = (
@@ -220,7 +209,9 @@ def _found(
                 for mark, angle in enumerate(angles, start=1)
             )
             try:
-                return joint_servo(kind, divider, channel, turned, (one, two), angles)
+                return calibration.joint_servo(
+                    kind, divider, channel, turned, (one, two), angles
+                )
             except ValueError as error:
                 ask.refuse(error)
 
@@ -229,7 +220,7 @@ def _found(
             continue
         jog = f"j {channel}" if kind.signal == "pulse" else f"j {channel} {kind.center}"
         joint = ask(f"channel {channel}: joint moved by {jog} (-: none)? ", which)
-        if joint != NONE:
+        if joint != "-":
             yield joint, servo(joint, channel)
             left.remove(joint)
     if left:
@@ -286,9 +277,9 @@ def _check(robot: Robot, kind: ServoKind, folder: RunFolder) -> Mapping[str, str
         facts = {"joint": missing[0], "find": command("calibrate", robot.path)}
         raise UsageError.of("no_servo", "the robot's card", **facts)
     if (folder.path / SHEET).exists():  # which has the rings of this robot's feet
-        _write(folder, SHEET, sheet(robot))
+        _write(folder, SHEET, calibration.sheet(robot))
     pulse = kind.signal == "pulse"
-    commands, facts = strokes(robot, kind.command_rate)
+    commands, facts = calibration.strokes(robot, kind.command_rate)
     table = servo_table(card, card.joints, kind, pulse, rate=kind.command_rate)
     if pulse:
         name, title, how = "check.h", "Strokes to check", "a sketch inside plays it"

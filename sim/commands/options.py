@@ -42,8 +42,7 @@ def scenario_of(options: argparse.Namespace, stops: bool = False) -> "Scenario":
         if key in overrides:
             raise UsageError(f"{key} is given twice", option, "keep one")
         overrides[key] = getattr(options, key)
-    if "robot" in overrides:
-        tell_of_run(Path(source))
+    tell_of_run(Path(source), overrides)
     scenario = load_scenario(source, overrides)
     stops |= scenario.replan
     for name, setting in SETTINGS.items():

@@ -29,7 +29,7 @@ from sim.scenarios.predictions import PREDICTIONS, who_ignores
 from sim.scenarios.scenario import Scenario, drawn
 
 TABLE = "tries.csv"
-RANDOM = ("imperfect", "zero_offset", "bumps", "dead_band_spread", "replan")
+RANDOM = ("imperfect", "zero_offset", "bumps", "dead_band_spread")
 MEASURES = {  # columns of the table: quantities, and of which row of the comparison
     "goal": (quantities.POSITION, "goal"),
     "ideal": (quantities.POSITION, "ideal"),
@@ -181,7 +181,9 @@ def tries_of(
     scenario: Scenario, robot: Robot, options: argparse.Namespace, hints: Iterable[str]
 ) -> ExitCode:
     """Walk draws into a folder, print hints, the worst and the median, and judge."""
-    if not any(getattr(scenario, name) for name in RANDOM):
+    given = (getattr(scenario, name) for name in RANDOM)
+    feels = scenario.replan and scenario.sense != "exact"
+    if not feels and not any(one and isinstance(one, str | float) for one in given):
         raise UsageError.of("not_drawn", "--tries")
     draws = range(scenario.draw, scenario.draw + options.tries)
     replace(scenario, draw=draws[-1])  # refused before anything is written

@@ -14,11 +14,10 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from models import JointServo, Kinematics, Robot, ServoKind, load
-from models.description import BOARD_COUNTS, board_divider, toml_key, without_tables
+from models import JointServo, Kinematics, Robot, ServoKind, description, load
 from planner import Array
 from sim import palette
-from sim.errors import RenderError, message
+from sim.errors import RenderError, UsageError, message
 from sim.export.servo_commands import ServoCommands
 from sim.folder import whole
 from sim.pictures import gl
@@ -48,8 +47,8 @@ def joint_servo(
     """
     if turned not in WAYS:
         raise ValueError(f"answer + or -, not {turned!r}")
-    if max(counts) >= BOARD_COUNTS:
-        raise ValueError(f"there are {BOARD_COUNTS} counts, and none is {max(counts)}")
+    if max(counts) >= (most := description.BOARD_COUNTS):
+        raise ValueError(f"there are {most} counts, and none is {max(counts)}")
     (first, second), apart = counts, angles[1] - angles[0]
     if (second - first) * WAYS[turned] <= 0:
         raise ValueError(message("turned", turned=turned, first=first, second=second))
@@ -58,7 +57,7 @@ def joint_servo(
         facts = {"needed": needed, "angle": degrees(apart), "likely": likely}
         raise ValueError(message("unlikely", **facts))
     pulse = kind.signal == "pulse"
-    longer = divider / board_divider(kind.command_rate) if pulse else 1.0
+    longer = divider / description.board_divider(kind.command_rate) if pulse else 1.0
     return JointServo(
         channel=channel,
         sign=WAYS[turned],
@@ -78,7 +77,7 @@ def card_with(
     text: str, servos: Mapping[str, JointServo], clock: float | None, divider: int
 ) -> str:
     """A card's text with servos, and a measured clock, in place of those it had."""
-    lines = [without_tables(text, OWN)]
+    lines = [description.without_tables(text, OWN)]
     if clock is not None or divider:
         lines += ["", "[board]"]
     if clock is not None:
@@ -89,8 +88,28 @@ def card_with(
         found = ((name, getattr(servo, name)) for name in NUMBERS)
         numbers = [f"{name} = {x:.8g}" for name, x in found if x is not None]
         limits = [f"limits = {list(servo.limits)}"] if servo.limits else []
-        lines += ["", f"[servo.{toml_key(joint)}]", *numbers, *limits]
+        lines += ["", f"[servo.{description.toml_key(joint)}]", *numbers, *limits]
     return "\n".join([*lines, ""])
+
+
+def require_room(robot: Robot, pulse: bool) -> None:
+    """Refuse a card that would not be TOML with the servos of all joints.
+
+    So are counts that a servo has, and of which it is not known that they are of its
+    kind, of a `pulse` or not: the divider that is written makes them counts of pulses.
+    """
+    card, path = robot.card, robot.path.with_suffix(".toml")
+    counted = [j for j, servo in card.mounted.items() if servo.center is not None]
+    if counted and pulse != bool(card.board_divider):
+        which = "no_pulses" if pulse else "no_ticks"
+        raise UsageError.of(which, path, joint=counted[0])
+    servos = dict.fromkeys(card.joints, JointServo())
+    try:
+        text = card_with(robot.card_text, servos, description.BOARD_CLOCK, 4)
+        description.parse_toml(text)
+    except ValueError as error:
+        why = str(error).partition(" (at")[0]
+        raise UsageError.of("unwritten", path, why=why) from error
 
 
 def strokes(robot: Robot, rate: float) -> tuple[ServoCommands, dict[str, str]]:

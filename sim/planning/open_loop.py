@@ -16,20 +16,11 @@ import numpy as np
 
 from models import TwistModel
 from models.motion import Strokes
-from planner import (
-    Array,
-    ConvergenceError,
-    Flow,
-    Path,
-    Plan,
-    RangeError,
-    merged,
-    plan,
-    rollout,
-)
+from planner import Array, ConvergenceError, Flow, Path, Plan, RangeError, plan, rollout
 from planner.execution import Coordinates
 from planner.planning import Step, grid, plan_step, require_segments
 from planner.support import tick
+from planner.systems import merged
 from sim.errors import message
 from sim.experiments.identification import twist_model
 from sim.motion.poses import compose, relative, wrap

@@ -1,6 +1,6 @@
 """Scenarios as TOML files: reading them by name or path, and writing them whole."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from copy import deepcopy
 from functools import cache
 from importlib.resources import files
@@ -243,9 +243,11 @@ def announce(old: str, new: str) -> None:
     say(f"stratawalk: notice: {old} is now called {new}")
 
 
-def tell_of_run(source: Path) -> None:
-    """Say whose settings a run's scenario has, which another robot is to walk."""
-    if source.is_file() and source.with_name("summary.json").exists():
+def tell_of_run(source: Path, changed: Collection[str]) -> None:
+    """Say whose settings a run has, of which another robot, or servo, is to walk."""
+    other = {"robot", "servo", "servo_data", "geometry"}
+    other &= {key.partition(".")[0] for key in changed}
+    if other and source.is_file() and source.with_name("summary.json").exists():
         told = "has all settings of a run, those that its robot gave as well"
         say(f"stratawalk: notice: {printable(' '.join(str(source).split()))} {told}")
 

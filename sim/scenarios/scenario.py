@@ -166,6 +166,8 @@ def _fitted(scenario: Scenario, robot: "Robot") -> Scenario:
     known = (*FITTED, "servo", "joints", "source", "errors")
     found: dict[str, Any] = {}
     make = scenario.servo if scenario.servo not in (None, "own") else robot.card.make
+    if scenario.servo_data:  # which is of the servos that there are now
+        make = ""
     if robot.card.fitted.get("joints", joints := [*robot.card.joints]) != joints:
         raise UsageError.of("fitted_joints", card)
     for key, value in fitted_to(robot.card, make).items():

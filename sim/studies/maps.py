@@ -68,7 +68,7 @@ def figures(
     """Settings and map of every two that vary, or of one, for SVG with its fonts."""
     import matplotlib as mpl
 
-    varying = [key for key in results.keys if len(_labels(results.columns[key])) > 1]
+    varying = [key for key in results.keys if len({*results.columns[key]}) > 1]
     pairs: Sequence[tuple[str, ...]] = list(combinations(varying, 2))[:12]
     style = {**STYLE, "svg.fonttype": fonts, "text.parse_math": False}  # as in `a$b$`
     with mpl.rc_context(style), catch_warnings():
@@ -217,7 +217,7 @@ def _place(axes: "Axes", results: Results, key: str, way: str) -> list[float]:
     values = results.columns[key]
     getattr(axes, f"set_{way}label")(_named(key))
     if _is_table(values):
-        labels = _labels(values)
+        labels = [*(written := _labels(values)).values()]
         if len(labels) > MOST_LABELS:
             facts = {"count": len(labels), "key": key, "most": MOST_LABELS}
             raise UsageError.of("labels", "the table", **facts)
@@ -229,7 +229,8 @@ def _place(axes: "Axes", results: Results, key: str, way: str) -> list[float]:
         if way == "x" and longest > min(ACROSS / len(labels), 16):
             axes.tick_params(axis="x", rotation=90)
             cast("Figure", axes.figure).set_figheight(SHEET_HEIGHT + LETTER * longest)
-        return [float(labels.index(_label(value))) for value in values]
+        places = {value: float(place) for place, value in enumerate(written)}
+        return [places[value] for value in values]
     numbers = np.array(values, dtype=float)
     if numbers.min() > 0 and numbers.max() > 20 * numbers.min():
         getattr(axes, f"set_{way}scale")("log")
@@ -250,16 +251,20 @@ def _named(key: str) -> str:
     return f"{key} [{declared.unit}]" if declared and declared.unit else key
 
 
-def _labels(values: Sequence[object]) -> list[str]:
-    """Values as they are written at an axis, numbers in ascending order."""
+def _labels(values: Sequence[object]) -> dict[object, str]:
+    """Each value as it is written at an axis, numbers in ascending order.
+
+    They have three digits, or as many as tell them apart.
+    """
     numbers = [value for value in values if isinstance(value, int | float)]
     plain = len(numbers) == len(values) and bool not in map(type, values)
-    return list(dict.fromkeys(map(_label, sorted(numbers) if plain else values)))
-
-
-def _label(value: object) -> str:
-    text = f"{value:.3g}" if isinstance(value, float) else str(value)
-    return text if len(text) <= 60 else f"{text[:20]} ... {text[-20:]}"
+    each = [*dict.fromkeys(sorted(numbers) if plain else values)]
+    floats, digits = {x for x in each if isinstance(x, float)}, 3
+    while digits < 17 and len({f"{x:.{digits}g}" for x in floats}) < len(floats):
+        digits += 1
+    texts = (f"{x:.{digits}g}" if isinstance(x, float) else str(x) for x in each)
+    short = (t if len(t) <= 60 else f"{t[:20]} ... {t[-20:]}" for t in texts)
+    return dict(zip(each, short, strict=True))
 
 
 def _legend(axes: "Axes", results: Results) -> None:

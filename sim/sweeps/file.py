@@ -102,8 +102,8 @@ def read_sweep(source: str) -> Sweep:
     made += [list_block(lists)] if (lists := dict(flat(_inner(table, "list")))) else []
     made += [sobol_block(inner)] if (inner := _inner(table, "sobol")) else []
     blocks = tuple(_anchored(block, path.parent) for block in made)
-    if "robot" in times and isinstance(named := table.get("scenario"), str):
-        scenarios.tell_of_run(path.parent / named)
+    if isinstance(named := table.get("scenario"), str):
+        scenarios.tell_of_run(path.parent / named, times)
     keep = _run_folders(_inner(table, "keep"), _count(blocks))
     without = left_out(table.get("without", []))
     return Sweep(path.stem, scenario, fixed, blocks, without, *keep)

@@ -50,7 +50,7 @@ def begun(words, shown, capsys):
 @pytest.mark.usefixtures("told")
 def test_calibrating_prints_what_is_shown(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("sim.commands.calibrate.draw", lambda *_, **__: None)
+    monkeypatch.setattr("sim.export.calibration.draw", lambda *_, **__: None)
     for words, shown in sessions():
         if words[0] in ("calibrate", "robots"):
             begun(words, shown, capsys)
@@ -61,7 +61,7 @@ def test_calibrating_prints_what_is_shown(tmp_path, monkeypatch, capsys):
 @pytest.mark.usefixtures("told", "paged")
 def test_the_whole_way_is_walked_as_shown(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("sim.commands.calibrate.draw", lambda *_, **__: None)
+    monkeypatch.setattr("sim.export.calibration.draw", lambda *_, **__: None)
     for words, shown in sessions():
         begun(words, shown, capsys)
 

@@ -130,18 +130,19 @@ def test_advice_changes_one_word_and_quotes_what_was_given(
 
 
 @pytest.mark.parametrize("run", [True, False])
+@pytest.mark.parametrize(("key", "other"), [("robot", "octopod"), ("servo", "mg996r")])
 def test_what_a_run_s_robot_gave_is_not_handed_to_another_without_a_word(
-    run, tmp_path, capsys
+    run, key, other, tmp_path, capsys
 ):
     """The scenario of a run has the servos of its robot, and what was fitted to it."""
     file = tmp_path / "scenario.toml"
     file.write_text(dumps(load_scenario("line", {"path.goal": [0.004, 0, 0]})))
     if run:
         (tmp_path / "summary.json").touch()
-    assert main(["plan", str(file), "--robot", "octopod", "--segments", "1"]) == 0
+    assert main(["plan", str(file), "--set", f"{key}={other}", "--segments=1"]) == 0
     said = f"{file} has all settings of a run, those that its robot gave as well"
     assert (said in capsys.readouterr().err) == run
     sweep = tmp_path / "sweep.toml"
-    sweep.write_text('scenario = "scenario.toml"\n[grid]\nrobot = ["octopod"]\n')
+    sweep.write_text(f'scenario = "scenario.toml"\n[grid]\n{key} = ["{other}"]\n')
     read_sweep(str(sweep))
     assert (said in capsys.readouterr().err) == run

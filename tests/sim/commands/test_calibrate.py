@@ -16,7 +16,7 @@ MG90 = '\n[servo]\nkind = "mg90"\n'
 @pytest.fixture
 def answered(monkeypatch, capsys):
     """What `calibrate` says where all answers have been used."""
-    monkeypatch.setattr("sim.commands.calibrate.draw", lambda *_, **__: None)
+    monkeypatch.setattr("sim.export.calibration.draw", lambda *_, **__: None)
 
     def words(*given):
         monkeypatch.setattr("sys.stdin", io.StringIO())
@@ -123,6 +123,25 @@ def test_the_copy_of_a_robot_in_a_run_is_left_as_it_was_sealed(answered, tmp_pat
     said = answered(copies / "quadruped.xml", "--out", tmp_path / "c")
     assert "as a run has walked it, which is sealed: " in said
     assert "; calibrate your own quadruped.xml, and walk again" in said
+
+
+@pytest.mark.parametrize(("kind", "given"), [("sts3215", 102), ("mg90", 0)])
+def test_counts_of_another_kind_of_servo_are_not_gone_on_with(
+    kind, given, tmp_path, answered
+):
+    """Ticks of a bus would become pulses, by the divider that is written over them."""
+    for name in ("hexapod.xml", "hexapod.toml", "scene.xml"):
+        shutil.copy(FOLDER / name, tmp_path)
+    card, robot = tmp_path / "hexapod.toml", tmp_path / "hexapod.xml"
+    counted = "[servo.swing_1]\nchannel = 3\ncenter = 512\ncounts_per_radian = 195.6\n"
+    board = f"[board]\ndivider = {given}\n" if given else ""
+    was = f'{card.read_text()}\n[servo]\nkind = "{kind}"\n{board}{counted}'
+    card.write_text(was)
+    said = (
+        "counts of its servos are of pulses" if given else "the counts of swing_1 are"
+    )
+    assert said in answered(robot, "--out", tmp_path / "c")
+    assert card.read_text() == was
 
 
 def test_pictures_of_axes_that_were_turned_round_since_are_not_gone_on_with(

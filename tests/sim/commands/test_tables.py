@@ -7,7 +7,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from planner import merged, play
+from planner import play
+from planner.systems import merged
 from sim.commands.comparing import _kind, _text, draw
 from sim.commands.fit import _cells, _of_servos
 from sim.commands.plan_report import Prospect, Steps, of_system, of_walk

@@ -178,16 +178,25 @@ def test_draws_make_the_predictions_that_are_asked_for(
     assert f"{ignored}\n" in capsys.readouterr().err  # and of no others
 
 
-@pytest.mark.parametrize("drawn", ["bumps", "zero_offset", "dead_band_spread"])
-def test_draws_of_what_is_not_random_are_refused(drawn, monkeypatch):
+@pytest.mark.parametrize(
+    ("drawn", "fixed"),
+    [
+        ({"bumps": 0.01}, {}),
+        ({"zero_offset": 0.01}, {"zero_offset": (0.01,) * 12}),
+        ({"dead_band_spread": 0.01}, {}),
+        ({"replan": True, "sense": "tag"}, {"replan": True}),
+    ],
+    ids=str,
+)
+def test_draws_of_what_is_not_random_are_refused(drawn, fixed, monkeypatch):
     """They would all be the same walk."""
     monkeypatch.setattr(walks, "claim", lambda *_: done.append(1) or 1 / 0)
     options, done = Namespace(out=None, json=True, tries=2, tolerance=0.05), []
     same = replace(LINE, zero_offset=0.0, payload=(0.3, 0.0, 0.0, 0.02))
     with pytest.raises(UsageError, match="nothing of this walk is drawn.*: --tries;"):
-        tries_of(same, None, options, [])
+        tries_of(replace(same, **fixed), None, options, [])
     with pytest.raises(ZeroDivisionError):
-        tries_of(replace(same, **{drawn: 0.01}), None, options, [])
+        tries_of(replace(same, **drawn), None, options, [])
     assert done == [1]
 
 

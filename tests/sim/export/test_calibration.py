@@ -73,7 +73,7 @@ class Board:
 @pytest.fixture
 def calibrate(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("sim.commands.calibrate.draw", lambda *_, **__: None)
+    monkeypatch.setattr("sim.export.calibration.draw", lambda *_, **__: None)
     monkeypatch.setattr("sys.stdin", SimpleNamespace(isatty=lambda: True))
 
     def begin(answer, *words):

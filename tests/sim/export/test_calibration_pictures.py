@@ -86,7 +86,7 @@ def test_joints_that_could_not_be_drawn_are_drawn_when_the_work_goes_on(
             raise RenderError("cannot draw the joints", "disk full", "free some space")
         (folder / f"joint-{len(robot.card.joints)}.png").touch()
 
-    monkeypatch.setattr("sim.commands.calibrate.draw", draw)
+    monkeypatch.setattr("sim.export.calibration.draw", draw)
     (tmp_path / "answers").write_text("")
     words = ["calibrate", robot.name, "--answers", str(tmp_path / "answers")]
     for _ in range(3):
@@ -159,7 +159,7 @@ def test_a_pipe_that_does_not_answer_a_question_is_left_at_once(
 ):
     pipe = io.StringIO("y\n" * 1000)
     monkeypatch.setattr("sys.stdin", pipe)
-    monkeypatch.setattr("sim.commands.calibrate.draw", lambda *_, **__: None)
+    monkeypatch.setattr("sim.export.calibration.draw", lambda *_, **__: None)
     assert main(["calibrate", ROBOT, "--out", str(tmp_path / "a")]) == 2
     said = capsys.readouterr().err
     assert "an answer that cannot be used, " in said
@@ -204,7 +204,7 @@ def test_a_sketch_that_its_owner_has_changed_stays_and_that_is_told(
     tmp_path, monkeypatch, capsys
 ):
     words = ("calibrate", ROBOT, "--out", str(tmp_path / "mine"))
-    monkeypatch.setattr("sim.commands.calibrate.draw", lambda *_, **__: None)
+    monkeypatch.setattr("sim.export.calibration.draw", lambda *_, **__: None)
     monkeypatch.setattr("sys.stdin", io.StringIO())
     assert main(words) == 2
     sketch = tmp_path / "mine" / "jog.ino"
@@ -223,7 +223,7 @@ def test_a_sketch_that_its_owner_has_changed_stays_and_that_is_told(
 def test_a_page_of_another_robot_is_not_taken_for_this_one_s(
     tmp_path, monkeypatch, capsys
 ):
-    monkeypatch.setattr("sim.commands.calibrate.draw", lambda *_, **__: None)
+    monkeypatch.setattr("sim.export.calibration.draw", lambda *_, **__: None)
     monkeypatch.setattr("sys.stdin", io.StringIO())
     for robot, said in (
         (ROBOT, "answers end"),

@@ -14,7 +14,6 @@ from sim.studies.findings import findings
 from sim.studies.maps import (
     _draw_curve,
     _is_table,
-    _label,
     _labels,
     _named,
     _place,
@@ -75,9 +74,17 @@ def test_few_values_and_words_have_places_side_by_side(axes):
     assert _is_table(columns["n"][:12])
     assert not _is_table(columns["n"])
     assert _is_table([True, False])
-    assert _labels([3, 1.0, 2.0]) == ["1", "2", "3"]
-    assert _labels([0.123456, 0.1]) == ["0.1", "0.123"]
-    assert _label(0.00012345) == "0.000123"
+    assert _labels([3, 1.0, 2.0]) == {1.0: "1", 2.0: "2", 3: "3"}
+    assert _labels([0.123456, 0.1]) == {0.1: "0.1", 0.123456: "0.123"}
+    assert _labels([0.00012345]) == {0.00012345: "0.000123"}
+
+
+def test_values_that_differ_have_places_and_labels_of_their_own(axes):
+    close = [0.1001, 0.1002, 0.1003, 0.5, 0.1001]
+    assert [*_labels(close).values()] == ["0.1001", "0.1002", "0.1003", "0.5"]
+    assert _labels([0.1, next := np.nextafter(0.1, 1.0).item()])[next] != "0.1"
+    some = SimpleNamespace(columns={"n": close})
+    assert _place(axes, some, "n", "x") == [0.0, 1.0, 2.0, 3.0, 0.0]
 
 
 @pytest.mark.parametrize("count", [MOST_LABELS, MOST_LABELS + 1])

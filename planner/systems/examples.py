@@ -1,0 +1,19 @@
+"""The least systems on which brackets show, with which examples and first tries begin.
+
+By `heisenberg`, [f, g] alone moves z. `walker` is the same on two feet, each of which
+has to be in the air for one of the fields. `car` moves aside by [drive, turn]. Systems
+with a goal and a picture, which `stratawalk plan` takes, are `models.SYSTEMS`.
+"""
+
+from collections.abc import Mapping
+
+from planner.systems.strata import StratifiedSystem
+
+XYZ, F, G = ("x", "y", "z"), {"f": [1, 0, 0]}, {"g": [0, 1, "x"]}
+CAR = {"drive": ["cos(a)", "sin(a)", 0], "turn": [0, 0, 1]}
+
+EXAMPLES: Mapping[str, StratifiedSystem] = {
+    "heisenberg": StratifiedSystem(XYZ, {"0": F | G}, "0"),
+    "walker": StratifiedSystem(XYZ, {"12": {}, "1": F, "2": G}, "12"),
+    "car": StratifiedSystem(("x", "y", "a"), {"0": CAR}, "0"),
+}
