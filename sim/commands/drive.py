@@ -176,7 +176,7 @@ class Link:
                 if (missed := int(late * walk.rate)) > 0:
                     walk.skip(missed)
                     when = round(when * walk.rate + missed) / walk.rate
-                time.sleep(max(0.0, self.began + when / self.pace - now))
+                time.sleep(min(max(0.0, self.began + when / self.pace - now), 1e9))
             ctrl = dict(zip(walk.joints, angles.tolist(), strict=True))
             try:
                 print(json.dumps({"time": when, "ctrl": ctrl}), file=self.commands)

@@ -23,7 +23,7 @@ from sim.evaluation.summary import Summary, Weighed
 from sim.evaluation.verdict import FAILURES
 from sim.folder import RunFolder, claim, csv_text
 from sim.logs.alignment import together
-from sim.logs.log import Log
+from sim.logs.log import Log, read_log
 from sim.progress import Progress, bar
 from sim.scenarios.predictions import PREDICTIONS, who_ignores
 from sim.scenarios.scenario import Scenario, drawn
@@ -45,7 +45,8 @@ def run(options: argparse.Namespace) -> ExitCode:
     """Walk the scenario and print how it went."""
     scenario = cli.scenario_of(options)
 
-    from sim.world.changes import changes  # the slow part comes after refusals
+    from sim.logs.playing import within_reach  # the slow part comes after refusals
+    from sim.world.changes import changes
 
     robot = cli.robot_of(options, scenario.robot)
     look = options.look if _can_film(options.video) else None
@@ -60,9 +61,13 @@ def run(options: argparse.Namespace) -> ExitCode:
     hints = [f"predictions ignore {words}"] if words else []
     if options.tries is not None:
         return tries_of(scenario, robot, options, hints)
+    log = None
+    if scenario.motion is not None:
+        log = read_log(Path(scenario.motion), robot.card.joints, robot.legs)
+        hints += (log := within_reach(log, robot)).done
     if robot.opened.files:
         hints += [f"{change}: {robot.path}" for change in changes(robot, as_drawn)]
-    return _walk(scenario, robot, look, options, hints)
+    return _walk(scenario, robot, look, options, hints, log)
 
 
 def _walk(

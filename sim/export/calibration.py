@@ -8,7 +8,7 @@ counts of the divider that the sketch gives its board, whatever clock was measur
 import re
 import sys
 from collections.abc import Mapping
-from math import degrees, radians
+from math import degrees, inf, radians
 from pathlib import Path
 
 import mujoco
@@ -69,8 +69,10 @@ def joint_servo(
 
 def marks(robot: Robot, joint: str) -> tuple[float, float]:
     """Two angles of a joint that are far apart and within its range [rad]."""
-    stands, (low, high) = robot.standing_angle(joint), robot.span(joint)
-    return max(stands - MARK, low), min(stands + MARK, high)
+    servo = robot.card.joint_servos.get(joint, JointServo())
+    ends = robot.span(joint), servo.limits or (-inf, inf)
+    (low, high), stands = zip(*ends, strict=True), robot.standing_angle(joint)
+    return max(stands - MARK, *low), min(stands + MARK, *high)
 
 
 def card_with(

@@ -16,6 +16,7 @@ from sim.drive.drive import Drive
 from sim.drive.rehearsal import Beforehand
 from sim.errors import UsageError
 from sim.export.servo_commands import taken
+from sim.export.servo_table import servo_table
 from sim.feedback.stops import Stop, stop_after
 from sim.motion.schedule import Schedule, Scheduler
 from sim.preparation.scheduling import check_effort, schedule_flows
@@ -50,6 +51,8 @@ class ServedWalk:
         self.stops: list[Stop] = []
         self.scaled_down = 0
         self._actuators = actuators_driving(setup.model, self.joints)
+        card, make = setup.robot.card, setup.servo.kind
+        self._servos = servo_table(card, self.joints, make, None)
         self._drive = Drive(setup)
         self._drive.require_gentleness()
         self._beforehand = Beforehand(setup, self._drive)
@@ -107,8 +110,12 @@ class ServedWalk:
         torques, practised = self._beforehand.feed_forward(schedule)
         self._legs, self._steps = schedule.end, schedule.stop
         rows = [*self._drive.commands(schedule, torques, practised=practised)]
+        if not rows:
+            return
         how = self.joints, self._actuators, self.rate, self.setup.limits.timestep
-        for angles in taken(np.concatenate(rows), *how).angles if rows else ():
+        commands = taken(np.concatenate(rows), *how)
+        self._servos.require_range(commands)
+        for angles in commands.angles:
             self._last = angles
             yield self.time, angles
             self._given += 1

@@ -134,10 +134,13 @@ def _fitted_model(setup: Setup, log: Log, whole: Array) -> mujoco.MjModel:
 
 
 def check_measured(path: Path, log: Log) -> None:
-    """Refuse a log that measured too little to fit servos, or nothing that checks."""
-    short = len(log.time) < FEWEST_ROWS
-    if log.measured is not None and (short or np.isnan(_rows(log, True)[1]).all()):
+    """Refuse a log that measured too little to fit servos, or only its commands."""
+    if log.measured is None:
+        return
+    if len(log.time) < FEWEST_ROWS or np.isnan(_rows(log, True)[1]).all():
         raise UsageError.of("few_rows", path, FEWEST_ROWS=FEWEST_ROWS)
+    if not np.nan_to_num(log.measured - log.commanded).any():
+        raise UsageError.of("as_commanded", path)
 
 
 def check_told(path: Path, logs: Sequence[Log]) -> None:

@@ -14,7 +14,7 @@ import numpy as np
 
 from models import Ground, Kinematics, Robot
 from planner import Array
-from sim.errors import message
+from sim.errors import UsageError, message
 from sim.logs.feet import Posture, moved, posture
 from sim.logs.log import Log
 from sim.motion.poses import wrap
@@ -186,6 +186,8 @@ def posed(robot: Robot, log: Log) -> Robot:
 
 def scenario_of(robot: Robot, file: Path, settings: Mapping[str, object]) -> Scenario:
     """The scenario that plays a file on a robot; commands are given as they stand."""
+    for key in settings.keys() & {"robot", "motion"}:
+        raise UsageError(f"{key} is given twice", f"--set {key}", "keep one")
     name = "".join(c if c.isalnum() or c in "-_" else "-" for c in file.stem)
     table = {
         "name": name.strip("-") or "motion",

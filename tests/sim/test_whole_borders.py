@@ -157,11 +157,23 @@ def test_two_points_are_a_trajectory_and_one_is_none():
 
 def test_twenty_rows_are_enough_to_fit_and_nineteen_are_not(tmp_path):
     def log(rows):
-        return SimpleNamespace(time=np.arange(rows), measured=np.zeros((rows, 1)))
+        measured = np.zeros((rows, 1))
+        return SimpleNamespace(time=np.arange(rows), measured=measured, commanded=1)
 
     check_measured(tmp_path, log(FEWEST_ROWS))
     with pytest.raises(UsageError, match="fewer than 20 rows"):
         check_measured(tmp_path, log(FEWEST_ROWS - 1))
+
+
+def test_a_log_of_goals_in_place_of_positions_is_not_fitted(tmp_path):
+    """Servos that follow to the last digit would come out as stiff as can be."""
+    asked = np.linspace(0, 1, FEWEST_ROWS)[:, None]
+    measured = np.where(asked < 0.5, np.nan, asked)
+    log = SimpleNamespace(time=asked[:, 0], measured=measured, commanded=asked)
+    with pytest.raises(UsageError, match="log positions of servos, not their goals"):
+        check_measured(tmp_path, log)
+    log.measured = measured + 1e-9
+    check_measured(tmp_path, log)
 
 
 def test_a_joint_of_which_little_was_measured_is_not_fitted(tmp_path):

@@ -45,6 +45,24 @@ FAST = (
 )
 
 
+@pytest.mark.parametrize("key", ["robot", "motion"])
+def test_what_the_words_of_the_command_name_is_not_set_too(gait, capsys, key):
+    assert main(["play", "hexapod", gait(), "--set", f"{key}=octopod", *FAST]) == 2
+    assert f"{key} is given twice: --set {key}; keep one" in capsys.readouterr().err
+
+
+def test_a_log_that_a_scenario_plays_is_told_of_as_one_that_is_played(gait, capsys):
+    """One in degrees goes beyond the range of the joints."""
+    given = f'robot = "hexapod"\nmotion = "{gait(20.0)}"\nfeed_forward = false\n'
+    Path("mine.toml").write_text(given)
+    told = []
+    for words in (["play", "hexapod", "gait.csv"], ["run", "mine.toml"]):
+        main([*words, "--out", words[0], *FAST])
+        said = capsys.readouterr().err.splitlines()
+        told.append([line for line in said if "beyond" in line or "end of its" in line])
+    assert told[0] == told[1] != []
+
+
 def test_a_gait_in_degrees_and_in_counts_is_the_same_motion(gait, capfd):
     found = []
     for units, scale, offset in (

@@ -1,10 +1,12 @@
 """Walks whose commands go elsewhere, as `drive` serves them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import shapely
 
-from models import SERVO_KINDS, load
+from models import SERVO_KINDS, JointServo, load
 from planner import PlannerError
 from sim.cli import main
 from sim.errors import UsageError
@@ -29,6 +31,19 @@ def test_a_walk_without_end_is_refused_before_it_begins(monkeypatch):
     served(load_scenario("line", given))
     with pytest.raises(UsageError, match="physics steps"):
         served(load_scenario("line", given | {"swing_speed": 0.01}))
+
+
+@pytest.mark.physics
+def test_what_servos_of_the_card_cannot_reach_is_not_sent():
+    robot = load("hexapod-classroom")
+    servos = {"lift_1": JointServo(limits=(-0.05, 0.1))}
+    robot = replace(robot, card=replace(robot.card, joint_servos=servos))
+    given = {"segments": 1, "path.goal": [0.007, 0, 0], "robot": "hexapod-classroom"}
+    walk = served(load_scenario("line", given), robot)
+    with pytest.raises(
+        UsageError, match="joint 'lift_1' goes to .* its servo from -0."
+    ):
+        list(walk.walk(0))
 
 
 @pytest.mark.physics

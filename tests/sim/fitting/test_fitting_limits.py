@@ -31,7 +31,7 @@ def test_three_quarters_of_a_log_are_fitted_and_the_rest_checks():
 
 def test_more_angles_than_memory_is_lent_for_are_refused(monkeypatch):
     monkeypatch.setattr("sim.fitting.fitting.MOST_ANGLES", 79)
-    log = SimpleNamespace(time=np.arange(20.0), measured=np.ones((20, 2)))
+    log = SimpleNamespace(time=np.arange(20.0), measured=np.ones((20, 2)), commanded=0)
     log.joints, log.pose, log.duration = ("hip", "knee"), None, 0.1
     _check_logs(["a"], [log], held=False)
     with pytest.raises(UsageError, match="too long to fit: a; give 51% of it"):

@@ -47,7 +47,9 @@ def test_what_was_fitted_of_servos_yields_to_a_data_sheet_that_is_named():
     """A servo without a name, `pulse`, is whatever its numbers say."""
     robot = load("hexapod-classroom")
     fit = {"servo_stiffness": 7.46, "friction": 0.3, "servo": "pulse"}
-    servo = replace(robot.card.servo, made="pulse", data={"stall_torque": 0.2, "no_load_speed": 9.0})
+    servo = replace(
+        robot.card.servo, made="pulse", data={"stall_torque": 0.2, "no_load_speed": 9.0}
+    )
     robot = replace(robot, card=replace(robot.card, fitted=fit, servo=servo))
     for given, kept in (({}, 7.46), ({"servo_data.stall_torque": 1.0}, None)):
         found = drawn(load_scenario("line", given), robot)
