@@ -31,4 +31,4 @@ def _called(folder: Path) -> str:
     with suppress(OSError):
         text = read_file(folder / "package.xml", 10**5).decode(errors="replace")
     text = re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL)
-    return (re.findall(r"<name>\s*([^<]*?)\s*</name>", text) or [""])[0]
+    return (re.findall(r"<name>([^<]*)</name>", text) or [""])[0].strip()

@@ -25,7 +25,7 @@ NOT_NEGATIVE = (
     "command_rate", "resolution", "volts", "dead_band", "backlash", "profile_speed",
     "armature",
 )  # fmt: skip
-OF_SHEETS = 1e-15, 1e12  # least and largest of such numbers, in the units below
+OF_SHEETS = 1e-15, 1e6  # least and largest of such numbers, in the units below
 NUMBERS = (*WITH_VOLTAGE, "full_error", "center", "reach", *NOT_NEGATIVE)
 """Numbers of a data sheet, by the names that cards and scenarios give them."""
 
@@ -114,8 +114,8 @@ class ServoKind:
     def with_numbers(self, given: Mapping[str, float]) -> "ServoKind":
         """The servo with other numbers of its data sheet.
 
-        Another voltage alone changes torque and speed in proportion. A number that a
-        servo does not have, or cannot have, is a ValueError.
+        Another voltage alone changes torque and speed in proportion, and another rate
+        the counts of pulses. A number that no servo has is a ValueError.
         """
         for name in given.keys() - {*NUMBERS}:
             raise ValueError(f"a servo has no {name!r}; {did_you_mean(name, NUMBERS)}")
@@ -129,7 +129,9 @@ class ServoKind:
             raise ValueError("command_rate must be positive for servos on pulses")
         if "center" in values:
             values["center"] = round(values["center"])
-        return replace(self, **values)
+        return replace(
+            self.at_rate(given.get("command_rate", self.command_rate)), **values
+        )
 
     @property
     def lost_torque(self) -> float:

@@ -156,7 +156,8 @@ def _calibrated(
         for joint, servo in _found(robot, kind, known, divider, ask):
             text = read_text(file)  # in which an owner may have written meanwhile
             there = description.parse_card(text, str(file))
-            if servo.channel in {one.channel for one in there.mounted.values()}:
+            taken = {one.channel for one in there.mounted.values()}
+            if servo.channel in taken or joint in there.mounted:
                 raise UsageError.of("other_channel", file, joint=joint, on=again())
             limits = there.joint_servos.get(joint, JointServo()).limits
             servos = {**there.joint_servos, joint: replace(servo, limits=limits)}

@@ -34,7 +34,7 @@ BUILT = ("body_mass", "body_inertia", "body_pos", "body_quat", "body_ipos",
          "dof_armature", "dof_frictionloss")  # fmt: skip
 SHAPES = "geom_pos", "geom_quat", "geom_size"  # of what touches
 ROUNDED = 1e-5  # of the largest number of a kind; files have some seven digits
-OTHERS = ("servo", "servo_data", "command_rate", "resolution", "dead_band_law",
+OTHERS = ("servo_data", "command_rate", "resolution", "dead_band_law",
           "dead_band_spread", "floor_stiffness", "foot_friction", "bumps")  # fmt: skip
 """Settings of servos and the floor that are the same in runs fitted together."""
 MILLI, MILLI_UNITS = 1e3, {"rad": "mrad", "s": "ms"}  # in tables
@@ -110,6 +110,9 @@ def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | No
     if run and settings:
         raise UsageError.of("knows_settings", paths[0])
     scenario = run.scenario if run else scenario_of(robot, paths[0], settings)
+    for path, one in runs.items():
+        if one.summary.servo.get("name") != servo_settings(scenario, robot.card).name:
+            raise UsageError.of("other_world", path, name="servo", first=robot.path)
     read = cli.reader_of(options, robot, scenario)
     logs = [log_of(runs[path]) if path in runs else read(path) for path in paths]
     held = options.walking is False
@@ -134,14 +137,12 @@ def _require_alike(
 ) -> None:
     """Refuse runs of other robots than the one that is fitted, or of other worlds."""
     scenarios = [run.scenario for run in runs.values()]
-    for (path, run), own in zip(runs.items(), scenarios, strict=True):
+    for path, own in zip(runs, scenarios, strict=True):
         if not _is_alike(robots[path], robot):
             raise UsageError.of("other_robot", path, first=first)
         for name in (*FITTED, *OTHERS, *["draw"] * own.is_imperfect):
             if getattr(own, name) != getattr(scenarios[0], name):
                 raise UsageError.of("other_world", path, name=name, first=[*runs][0])
-        if run.summary.servo.get("name") != servo_settings(own, robot.card).name:
-            raise UsageError.of("other_world", path, name="servo", first=robot.path)
 
 
 def _is_alike(robot: Robot, other: Robot) -> bool:

@@ -19,12 +19,11 @@ from sim.motion.poses import compose, path_deviation, relative, wrap
 from sim.motion.prediction import Prediction
 from sim.preparation.shared import Cache, no_cache
 from sim.scenarios import predictions
-from sim.scenarios.body_path import NominalPath
+from sim.scenarios.body_path import SHORTEST_WAY, NominalPath
 from sim.walking.finished import Walk
 
 SWAY = 0.25  # of the feet's distance from the middle
 LEAST_WAY = 0.01  # of that distance
-SHORTEST_WAY = 1e-6  # [m]; shares of a shorter one are rounding
 COMPARED = 1500  # poses that are compared with the path, evenly taken from all
 
 
@@ -80,7 +79,7 @@ def sensed(walk: Walk) -> summary.Sensed | None:
 
 def per_metre(length: float, seconds: float, strokes: float) -> summary.PerMetre:
     """Time and strokes of the loaded groups [rad] per metre of the nominal path."""
-    if not length:
+    if max(seconds, strokes) >= 1e9 * length:  # which no run folder holds
         return summary.PerMetre()
     return summary.PerMetre(seconds=seconds / length, strokes=strokes / length)
 
@@ -97,13 +96,13 @@ def off(
 ) -> summary.PredictionError:
     """How far a motion (T, 3) is from another one at its end, and at most on the way.
 
-    Ratios to lengths of path and way [m] are None where these are zero.
+    Ratios to lengths of path and way [m] are None where these are nothing.
     """
     at_end = departure(poses[-1], others[-1])
     return summary.PredictionError(
         **at_end,
         position_per_path=at_end.position / length if length else None,
-        position_per_walked=at_end.position / walked if walked else None,
+        position_per_walked=at_end.position / walked if walked > SHORTEST_WAY else None,
         farthest=float(np.hypot(*(poses - others)[:, :2].T).max()),
     )
 

@@ -30,6 +30,7 @@ from sim.scenarios.declaration import (
 
 Pose = tuple[float, float, float]
 START: Pose = (0.0, 0.0, 0.0)
+SHORTEST_WAY = 1e-6  # [m]; shares of a shorter one are rounding
 CLOSE = 1e-12  # [m] or [rad], of a start that counts as (0, 0, 0)
 FARTHEST_POSE = 1e6  # [m] or [rad]; beyond, rounding would exceed single steps
 COLUMNS = ("x", "y", "yaw")  # of a file of poses, [m], [m], [rad]
@@ -49,9 +50,12 @@ class NominalPath:
     kind: str  # as in a scenario file
     parameter: object  # that it is made from, as in a scenario file
     goal: Pose  # at s = 1
-    length: float  # of the (x, y) curve itself [m]
+    length: float  # of the (x, y) curve itself [m]; 0 where that is rounding
     curve: Path = field(compare=False, repr=False)  # as the planner takes it
     uncut: Path | None = field(default=None, compare=False, repr=False)  # if divided
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "length", self.length * (self.length > SHORTEST_WAY))
 
     def __call__(self, s: float) -> Array:
         """Pose at s, shape (3,)."""

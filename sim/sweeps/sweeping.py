@@ -195,6 +195,8 @@ def write_run_folders(points: Points, folder: SweepFolder) -> list[str]:
             scenario = points.sweep.at(point)
             try:
                 if not walked:
+                    if digest(scenario, points.sweep.without) != now["of"]:
+                        raise UsageError.of("other_files", str(scenario.robot))
                     _clear(at)
                     inner = own.inner(run_folder(point))
                     run(scenario, inner, without=points.sweep.without)

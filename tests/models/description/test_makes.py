@@ -71,7 +71,7 @@ def test_a_bus_servo_s_counts_divide_its_range(name):
         ("no-such", {}, "it "),
         ("sg90", {"volt": 5.0}, "a servo has no 'volt'; did you mean 'volts'"),
         ("sg90", {"command_rate": 1e-320}, "command_rate = .* is of no servo; correct"),
-        ("sg90", {"center": -1.1e12}, "center = -1.1e.12 is of no servo; correct it"),
+        ("sg90", {"center": -1.1e6}, "center = -1.1e.06 is of no servo; correct it"),
         ("sg90", {"center": nan}, "center = nan is of no servo; correct it"),
     ],
 )
@@ -115,6 +115,17 @@ def test_counts_of_pulses_are_finer_at_a_higher_rate_and_those_of_a_bus_are_not(
     ):
         same = kind.at_rate(rate)
         assert (same.resolution, same.center, same.command_rate) == (0.004, 307, rate)
+
+
+def test_another_rate_on_a_card_changes_counts_of_pulses_and_not_the_pulses():
+    """They would turn real servos to other angles."""
+    made = KNOWN_SERVOS["mg90"]
+    faster = made.with_numbers({"command_rate": 2 * made.command_rate})
+    assert (faster.center, faster.resolution) == (2 * made.center, made.resolution / 2)
+    given = made.with_numbers(
+        {"command_rate": 100.0, "center": 600, "resolution": 0.002}
+    )
+    assert (given.center, given.resolution) == (600, 0.002)  # of frames at that rate
 
 
 def test_another_voltage_alone_changes_torque_and_speed():

@@ -131,7 +131,7 @@ def test_a_run_is_of_the_servos_that_its_robot_has(monkeypatch, tmp_path, hexapo
     ("other", "said"),
     [
         ({"payload": (0.1, 0, 0, 0)}, "walked with another payload than "),
-        ({"servo": "mg90"}, "walked with another servo than "),
+        ({"servo": "own"}, "a run knows its settin"),  # called otherwise, and the same
         ({"dead_band_law": "step"}, "walked with another dead_band_law than "),
         ({"command_rate": 50.0}, "walked with another command_rate than "),
         ({"geometry": {"kappa": 0.5}}, "it was walked by another robot than "),

@@ -64,20 +64,23 @@ def test_errors_are_shares_of_path_and_way_where_these_have_a_length():
     assert error.position_per_path == pytest.approx(0.05)
     assert error.position_per_walked == pytest.approx(0.025)
     assert error.farthest == pytest.approx(0.55**2, abs=1e-5)  # of s (1 - s) + s / 10
-    none = off(there, other, length=0.0, walked=0.0)
+    none = off(there, other, length=0.0, walked=1e-9)
     assert (none.position_per_path, none.position_per_walked) == (None, None)
 
 
 def test_time_and_strokes_per_metre_are_none_of_no_path():
     some = per_metre(2.0, 10.0, 6.0)
     assert (some.seconds, some.strokes) == (5.0, 3.0)
-    none = per_metre(0.0, 10.0, 6.0)
-    assert (none.seconds, none.strokes) == (None, None)
+    for length, seconds in ((0.0, 10.0), (2e-6, 3e3)):  # files have numbers below 1e9
+        none = per_metre(length, seconds, 6.0)
+        assert (none.seconds, none.strokes) == (None, None)
 
 
 def test_a_turn_on_the_spot_is_as_long_as_the_way_of_its_feet():
     only_turns = Scale.of(line((0.0, 0.0, -pi / 2)), REACH, ["ideal"])
     assert only_turns.length == pytest.approx(REACH * pi / 2)
+    rounded = line((6.1e-18, 0.0, -pi / 2))  # by a cosine of pi / 2
+    assert (rounded.length, Scale.of(rounded, REACH, ["ideal"])) == (0.0, only_turns)
     ahead = Scale.of(line((0.3, 0.4, 1.0)), REACH, ["ideal"])
     assert ahead.length == pytest.approx(0.5)
     assert Scale.of(line((1e-9, 0.0, 0.0)), REACH, ["ideal"]).length == 0  # rounding

@@ -1,5 +1,7 @@
 """Servos of which a card says something before, or while, they are calibrated."""
 
+import pytest
+
 from models import load
 from tests.sim.export.test_calibration import (
     Board,
@@ -10,12 +12,16 @@ from tests.sim.export.test_calibration import (
 )
 
 
-def test_a_channel_that_the_card_has_got_meanwhile_is_given_to_no_second_joint(
+@pytest.mark.parametrize("found", ["channel", "joint"])
+def test_what_the_card_has_got_meanwhile_is_not_found_once_more(
     calibrate,  # noqa: F811
     capsys,
+    found,
 ):
     card, board = stranger(), Board(1)
-    owner, other = board.owner(), f"\n[servo.lift_1]\nchannel = {min(board.channel)}\n"
+    first, least = board.joints[board.channel.argmin()], board.channel.min()
+    joint, channel = ("lift_1", least) if found == "channel" else (first, 15)
+    owner, other = board.owner(), f"\n[servo.{joint}]\nchannel = {channel}\n"
 
     def answer(question):
         if "mark 2: " not in question and "mark 2 " in question:
@@ -24,7 +30,7 @@ def test_a_channel_that_the_card_has_got_meanwhile_is_given_to_no_second_joint(
 
     stranger_text = card.read_text()
     assert calibrate(answer, "own.xml") == 2
-    assert "has become another joint's" in told_of(capsys)
+    assert "or its channel was given away meanwhile" in told_of(capsys)
     assert card.read_text() == stranger_text + other
 
 

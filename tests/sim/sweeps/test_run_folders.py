@@ -1,7 +1,10 @@
 """Run folders of chosen points are complete, or the sweep says what is wrong."""
 
+import shutil
+
 import pytest
 
+from models.description import FOLDER
 from sim.errors import FilesError, RenderError, UsageError
 from sim.pictures import run_film
 from sim.sweeps import sweeping
@@ -124,6 +127,26 @@ def test_nothing_is_removed_or_written_behind_a_link(walked, tmp_path):
     with pytest.raises(UsageError, match="is a link, which may lead anywhere"):
         walked("false")
     assert precious.exists()
+
+
+def test_a_robot_that_was_edited_meanwhile_does_not_walk_as_the_point(
+    tmp_path, monkeypatch
+):
+    """The table has what its robot did as it was."""
+    for name in ("hexapod.xml", "hexapod.toml", "scene.xml"):
+        shutil.copy(FOLDER / name, tmp_path)
+    own = f'[grid]\nrobot = ["{tmp_path / "hexapod.xml"}"]'
+    varies = VARIES.format(film="false").replace("[grid]", own)
+    sweep = read_sweep(str(write_sweep(tmp_path, varies)))
+    given = points_of(sweep, Shard()), SweepFolder(tmp_path / "out")
+    (tmp_path / "out").mkdir()
+    monkeypatch.setattr(sweeping, "run", lambda *_, **__: None)
+    assert write_run_folders(*given) == []
+    (tmp_path / "hexapod.toml").write_text(
+        (FOLDER / "hexapod.toml").read_text() + "#\n"
+    )
+    (said,) = write_run_folders(*given)
+    assert said.startswith("point 0: the robot's or the motion's files are not those")
 
 
 def test_a_full_disk_is_no_matter_of_one_point(tmp_path, monkeypatch):
