@@ -60,7 +60,6 @@ from .planning import (
     waypoints as waypoints,
 )
 from .systems import (
-    EXAMPLES as EXAMPLES,
     Flow as Flow,
     Gait as Gait,
     LevelSet as LevelSet,
@@ -70,3 +69,4 @@ from .systems import (
     contact_switches as contact_switches,
     flow_map as flow_map,
 )
+from .systems.examples import EXAMPLES as EXAMPLES

@@ -21,6 +21,7 @@ import numpy as np
 import planner
 from models import SYSTEMS, Problem, shipped_system
 from planner.optimisation import casadi_function
+from planner.systems import merged
 from scripts.pages import parser_of, tabulate
 
 COUNTS = (32, 64)  # segments between which the order is measured
@@ -131,7 +132,7 @@ def optimised(problem: Problem) -> list[planner.Flow]:
     named = zip(names, (ahead - behind).tolist(), strict=True)
     strokes = (_stroke(problem, *each) for each in named)
     # the interior point leaves a little of what it does not need
-    return [*planner.merged(s for s in strokes if abs(s.duration) > 1e-6)]
+    return [*merged(s for s in strokes if abs(s.duration) > 1e-6)]
 
 
 def _flow(problem: Problem, name: str, casadi: Any) -> Any:

@@ -1,8 +1,6 @@
 """The least systems on which brackets show, with which examples and first tries begin.
 
-By `heisenberg`, [f, g] alone moves z. `walker` is the same on two feet, each of which
-has to be in the air for one of the fields. `car` moves aside by [drive, turn]. Systems
-with a goal and a picture, which `stratawalk plan` takes, are `models.SYSTEMS`.
+Systems with a goal and a picture, which `stratawalk plan` takes, are `models.SYSTEMS`.
 """
 
 from collections.abc import Mapping
@@ -17,3 +15,11 @@ EXAMPLES: Mapping[str, StratifiedSystem] = {
     "walker": StratifiedSystem(XYZ, {"12": {}, "1": F, "2": G}, "12"),
     "car": StratifiedSystem(("x", "y", "a"), {"0": CAR}, "0"),
 }
+"""Of `heisenberg`, [f, g] alone moves z. `walker` is the same on two feet, each of which
+is in the air for one of the fields. `car` moves aside by [drive, turn].
+
+Example:
+    >>> from planner import EXAMPLES
+    >>> EXAMPLES["walker"].dimension
+    3
+"""
