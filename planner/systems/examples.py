@@ -15,8 +15,8 @@ EXAMPLES: Mapping[str, StratifiedSystem] = {
     "walker": StratifiedSystem(XYZ, {"12": {}, "1": F, "2": G}, "12"),
     "car": StratifiedSystem(("x", "y", "a"), {"0": CAR}, "0"),
 }
-"""Of `heisenberg`, [f, g] alone moves z. `walker` is the same on two feet, each of which
-is in the air for one of the fields. `car` moves aside by [drive, turn].
+"""In `heisenberg`, [f, g] alone moves z. `walker` is the same on two feet, one of which
+each field lifts. `car` moves aside by [drive, turn].
 
 Example:
     >>> from planner import EXAMPLES
