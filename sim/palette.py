@@ -37,11 +37,7 @@ class Colour(NamedTuple):
 
     def tint(self, strength: float) -> "Colour":
         """The colour mixed with the paper's, for marks in the background."""
-        return self.mixed(PAPER, 1 - strength)
-
-    def mixed(self, other: "Colour", share: float) -> "Colour":
-        """The colour with a share of another one."""
-        pairs = zip(self, other, strict=True)
+        share, pairs = 1 - strength, zip(self, PAPER, strict=True)
         return Colour(*(round((1 - share) * a + share * b) for a, b in pairs))
 
 
