@@ -119,8 +119,7 @@ def _bar(walk: Run, playback: float) -> legend.Panel:
         for foot, leg in enumerate(walk.legs):  # a disc, filled while it touches
             colour, touches = lamps[foot], walk.contact[row, foot]
             x, y = legend.PAD + LAMP + 3 * LAMP * foot, height - legend.PAD - LAMP
-            place = (x - LAMP, y - LAMP, x + LAMP, y + LAMP)
-            draw.ellipse(place, colour if touches else None, colour, 2)
+            draw.circle((x, y), LAMP, colour if touches else None, colour, 2)
             ink = colour.ink if touches else palette.TEXT
             legend.text(draw, (x, y), str(leg), 14, "mm", ink)
         shown = (metres[row] for metres in numbers.values())

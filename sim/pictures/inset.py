@@ -58,17 +58,16 @@ class Trail:
         past = self.points[: int(np.searchsorted(self.rows, row, side="right"))]
         x, y = self.place(self.error[row])
         draw.line([*past, (x, y)], self.colour.tint(0.6), 1)
-        draw.ellipse((x - DOT, y - DOT, x + DOT, y + DOT), self.colour)
+        draw.circle((x, y), DOT, self.colour)
         size = f"{1000 * np.hypot(*self.error[row]):.2f}"
         text(draw, (self.left + BOX, TOP + BOX + 4), size, anchor="ra")
 
     def draw_scale(self, draw: Draw) -> None:
         """A cross where there is no error, and a ring at a round distance from it."""
         (x, y), ring = self.place(), magnification(self.scale, BOX / 2 * FILL)
-        left, radius = self.left, ring * self.scale
+        left = self.left
         draw.rectangle((left, TOP, left + BOX, TOP + BOX), None, palette.GRID, 1)
-        around = (x - radius, y - radius, x + radius, y + radius)
-        draw.ellipse(around, None, palette.FAINT, 1)
+        draw.circle((x, y), ring * self.scale, None, palette.FAINT, 1)
         draw.line((x - CROSS, y, x + CROSS, y), palette.FAINT, 1)
         draw.line((x, y - CROSS, x, y + CROSS), palette.FAINT, 1)
         text(draw, (left, TOP + BOX + 4), f"ring {1000 * ring:g}", colour=palette.FAINT)
