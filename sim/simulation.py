@@ -93,11 +93,9 @@ class Witness(Protocol):
 
     def prepared(self, prepared: Prepared) -> None:
         """Called when everything is decided and nothing has moved yet."""
-        ...
 
     def walked(self, walker: Walker) -> None:
         """Called when the walk has ended or failed."""
-        ...
 
 
 def simulate(

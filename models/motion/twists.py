@@ -37,7 +37,6 @@ class TwistModel(Protocol):
         The groups of the stratum are in contact; every group has an angle [rad] and a
         rate [rad/s], or [rad] for a displacement, shape (N, G) each.
         """
-        ...
 
 
 @dataclass(frozen=True)
