@@ -29,9 +29,7 @@ class MotionLimits:
     hold: float  # [s], at both ends
     timestep: float  # [s]
     groups: tuple[str, ...]  # names, in the order of every array
-    gains: tuple[
-        float, ...
-    ] = ()  # largest of each group's legs; 1 where none are given
+    gains: tuple[float, ...] = ()  # largest of each group's legs; 1 where none is given
 
     def farthest(self, direction: Sequence[float], amount: float) -> float:
         """How far the joint turns that turns farthest in a swing [rad]."""
