@@ -15,7 +15,7 @@ All arrays have a leading axis of lanes, problems that are solved side by side.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -40,8 +40,7 @@ class Lanes:
 
     def take(self, which: Array) -> Self:
         """Some of the lanes."""
-        values = {f.name: getattr(self, f.name) for f in fields(self)}
-        kept = {n: None if v is None else v[which] for n, v in values.items()}
+        kept = {n: None if v is None else v[which] for n, v in vars(self).items()}
         return type(self)(**kept)
 
 

@@ -5,7 +5,7 @@ them side by side. Effects are slopes; contacts switch: they hold near the robot
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from math import radians
 from typing import NamedTuple
 
@@ -65,8 +65,7 @@ def sensitivities(
         batches.setdefault(bool(each.robot.gravity[0, :2].any()), []).append(number)
     for batch in batches.values() or ([],):
         some = [phases.robots, *(changes[number].robot for number in batch)]
-        names = [field.name for field in fields(Robots)]
-        lanes = {n: np.concatenate([getattr(r, n) for r in some]) for n in names}
+        lanes = {n: np.concatenate([vars(r)[n] for r in some]) for n in vars(some[0])}
         walks = Phases(phases.mechanics, Robots(**lanes)).follow_all(course)
         unchanged = next(walks).at(times)
         for change, walk in zip(batch, walks, strict=True):
