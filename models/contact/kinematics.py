@@ -57,9 +57,6 @@ def _ends(size: Array) -> Array:
     return np.array([(0, 0, -size[1]), (0, 0, size[1])])
 
 
-TIED = 1e-4  # [m]; points that are this close to the lowest one touch as well
-
-
 @dataclass(frozen=True, eq=False)
 class Sole:
     """Points of a leg; the floor acts below their mean."""
@@ -87,7 +84,7 @@ def find_sole(model: mujoco.MjModel, data: mujoco.MjData, foot: Sequence[str]) -
     depths = np.repeat([core.radius for core in cores], counts)
     points = np.concatenate([core.points for core in cores])
     bottom = Sole(geoms, points, 0.0).placed(data)[:, 2] - depths
-    lowest = bottom <= bottom.min() + TIED
+    lowest = bottom <= bottom.min() + 1e-4  # [m]; those as close touch as well
     return Sole(geoms[lowest], points[lowest], float(depths[lowest].mean()))
 
 

@@ -15,8 +15,6 @@ from models.contact.kinematics import Kinematics
 from models.description.robot import Robot
 from planner import Array
 
-ROUNDING_LOAD = 1e-12  # share of the weight that counts as zero
-
 
 def static_loads(feet: Array, center_of_mass: Array) -> Array:
     """Share of the weight on each of the feet in contact, shape (N, F), summing to 1.
@@ -34,7 +32,7 @@ def static_loads(feet: Array, center_of_mass: Array) -> Array:
         balance = np.einsum("nfi,nfj->nij", G, G)
         sink = np.einsum("nij,nj->ni", np.linalg.pinv(balance), target)
         loads = np.einsum("nfi,ni->nf", G, sink)
-        pulled = standing & (loads < -ROUNDING_LOAD)
+        pulled = standing & (loads < -1e-12)  # of the weight; as good as zero
         if not pulled.any():
             break
         standing &= ~pulled

@@ -19,8 +19,6 @@ from models.description.robot import Robot
 from models.errors import message
 from planner import Array
 
-_TOUCH = 1e-6  # [m]; depth to which the feet are lowered so that contacts appear
-
 
 @dataclass(frozen=True, eq=False)
 class Ground:
@@ -64,8 +62,8 @@ class Ground:
         """The ground in a world with robot, floor and servos, at keyframe `start`."""
         data = mujoco.MjData(model)
         mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
-        gap = Kinematics(robot).standing.height
-        data.qpos[robot.root_address_in(model) + 2] -= gap.max() - gap.min() + _TOUCH
+        depth = np.ptp(Kinematics(robot).standing.height) + 1e-6  # [m]; contacts appear
+        data.qpos[robot.root_address_in(model) + 2] -= depth
         mujoco.mj_forward(model, data)
         springs, frictions = [], []
         for leg in robot.leg_cards:

@@ -105,9 +105,6 @@ class QuasiStaticTwists:
         return twist * unit
 
 
-ROUNDING_ANGLE = 1e-6  # [rad] by which angles may lie beyond the reach
-
-
 @dataclass(frozen=True)
 class MeasuredField:
     """One field of one stratum, measured from one end of its swing to the other."""
@@ -163,7 +160,7 @@ class IdentifiedTwists:
         parts = []
         for (name, f), u, w in zip(on.items(), inputs, ways, strict=True):
             farthest = np.abs(w[u != 0.0]).max(initial=0.0)
-            if farthest > f.reach + ROUNDING_ANGLE:
+            if farthest > f.reach + 1e-6:  # [rad], of rounding
                 facts = {"angle": farthest, "reach": f.reach}
                 raise MeasurementError(message("unconfirmed", name=name, **facts))
             parts.append(u[:, None] * f(w))
