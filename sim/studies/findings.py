@@ -71,9 +71,6 @@ class Explained:
     falls: float | None  # of whether the walk is lost
 
 
-NOTHING = Explained(None, None)
-
-
 @dataclass(frozen=True)
 class Findings:
     """Points in each class, and how much every setting alone explains."""
@@ -94,7 +91,8 @@ class Findings:
     def ranked(self) -> list[tuple[str, Explained]]:
         """Settings, the weightiest first, and what only several together explain."""
         ranked = sorted(self.explained.items(), key=lambda of: -(of[1].departure or 0))
-        rest = [("several together", self.together)] * (self.together != NOTHING)
+        known = self.together != Explained(None, None)
+        rest = [("several together", self.together)] * known
         return [*ranked, *rest]
 
     def __str__(self) -> str:
