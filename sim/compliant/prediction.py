@@ -19,8 +19,6 @@ from sim.motion.prediction import Prediction, Predictor
 from sim.motion.schedule import Schedule
 from sim.preparation.setup import Setup
 
-SMOOTH = 200.0  # commands a second, from which on they need not be told apart
-
 
 @dataclass(frozen=True, eq=False)
 class Leg:
@@ -74,7 +72,8 @@ def course_along(
     """
     dt, rate = setup.limits.timestep, setup.servo.rate
     rows, ends = ctrl[:, phases.mechanics.anatomy.actuator], spans[:, 1] * dt
-    held = bool(setup.servo.resolution or 0 < rate < SMOOTH)
+    # from 200 commands a second on they need not be told apart
+    held = bool(setup.servo.resolution or 0 < rate < 200.0)
     edges = np.union1d(ends, changes(rows, dt)) if held else ends
     commands = Commands(rows, dt, np.append(edges, 1e9), held)  # for ever
     memory = REMEMBERED * max(1.0, setup.limits.lift_time / SOON) ** 2.5
