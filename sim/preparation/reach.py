@@ -14,8 +14,6 @@ from sim.errors import SimulationError, UsageError, message
 from sim.motion.poses import relative
 from sim.scenarios.scenario import Scenario
 
-WAYS = ("x", "y", "theta")
-
 
 def immobile(robot: Robot, found: Mobility) -> Iterator[str]:
     """Why a robot cannot go everywhere, and what would change that, in sentences."""
@@ -44,7 +42,7 @@ def require_reach(robot: Robot, described: Equations, path: Path) -> None:
         return
     poses = np.atleast_2d(path.at(np.linspace(0.0, 1.0, 201)))[:, :3]
     along = np.abs(relative(poses[:-1], poses[1:])).sum(axis=0)  # seen from the body
-    ways = dict(zip(WAYS, along, strict=True))
+    ways = dict(zip(("x", "y", "theta"), along, strict=True))
     costs = [(ways[c.direction], c.strokes) for c in found.costs]
     if any(way * strokes > AFFORDABLE for way, strokes in costs if way):
         raise _no_plan(robot, found)
