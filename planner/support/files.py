@@ -39,8 +39,10 @@ def whole_file(path: Path | str, size: int = 0, new: bool = False) -> Iterator[P
             shutil.copymode(path, part)
         try:
             (os.link if new else os.replace)(part, path)
-        except PermissionError:  # as of a disk that has no links
-            os.replace(part, path)
+        except OSError as error:
+            if not new or isinstance(error, FileExistsError):
+                raise
+            os.replace(part, path)  # on a disk that has no links
         _flush(path.parent)
     except OSError as error:
         raise OSError(error.errno, error.strerror or str(error), str(path)) from error

@@ -31,6 +31,25 @@ def test_file_has_its_name_when_the_block_ends_and_not_before(tmp_path):
     assert (tmp_path / "plan.json").read_text() == "all of it"
 
 
+@pytest.mark.parametrize("number", ["EPERM", "EOPNOTSUPP", "ENOSYS"])
+def test_a_new_file_needs_no_links(tmp_path, monkeypatch, number):
+    """Shares of other machines, and drives of programs, have none."""
+
+    def link(*_):
+        raise OSError(getattr(errno, number), "no links")
+
+    def write():
+        with whole_file(tmp_path / "new.csv", new=True) as part:
+            part.write_text("mine")
+
+    monkeypatch.setattr(os, "link", link)
+    write()
+    assert names(tmp_path) == ["new.csv"]
+    monkeypatch.undo()
+    with pytest.raises(FileExistsError):
+        write()
+
+
 def test_block_that_fails_leaves_the_file_that_was_there(tmp_path):
     (tmp_path / "plan.json").write_text("before")
 
