@@ -6,16 +6,20 @@ import mujoco
 import numpy as np
 
 from models.errors import ModelError
+from planner import Array
 
 ON_JOINT = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
 
 
-def is_position_servo(gain: float, bias: float) -> bool:
+def is_position_servo(gain: Array, bias: Array, bias_type: int) -> bool:
     """Whether an actuator's force is a gain times what is left to its command.
 
-    Gain `gainprm[0]` and bias `biasprm[1]`, the latter per unit of the joint's angle.
+    Gain `gainprm`, of which the first number alone is no slope, and bias `biasprm`, the
+    second of which is per unit of the joint's angle.
     """
-    return bool(gain > 0 and abs(bias + gain) <= 1e-5 * gain)  # as text rounds it
+    if bias_type != mujoco.mjtBias.mjBIAS_AFFINE or gain[1:3].any():
+        return False
+    return bool(gain[0] > 0 and abs(bias[1] + gain[0]) <= 1e-5 * gain[0])  # as in text
 
 
 def actuators_of(model: mujoco.MjModel, joint: str) -> list[int]:
@@ -27,9 +31,10 @@ def actuators_of(model: mujoco.MjModel, joint: str) -> list[int]:
 
 def position_servos_of(model: mujoco.MjModel, joint: str) -> list[int]:
     """Indices of the position servos that drive a joint."""
-    gain, bias = model.actuator_gainprm[:, 0], model.actuator_biasprm[:, 1]
+    gain, bias = model.actuator_gainprm, model.actuator_biasprm
     own = [i for i in actuators_of(model, joint) if model.actuator_plugin[i] < 0]
-    return [i for i in own if is_position_servo(gain[i], bias[i])]
+    kind = model.actuator_biastype
+    return [i for i in own if is_position_servo(gain[i], bias[i], kind[i])]
 
 
 def span_of(model: mujoco.MjModel, joint: str, free: float) -> tuple[float, float]:

@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 
 from models.description import compiled
-from models.description.actuators import position_servos_of, span_of
+from models.description.actuators import actuators_of, position_servos_of, span_of
 from models.description.card import Card, GroupCard, LegCard
 from models.description.inspection import Opened
 
@@ -227,9 +227,8 @@ class Robot:
     def _armature(self, joint: str) -> float:
         """Inertia of the rotor behind a joint's gears, of file or card [kg m^2]."""
         model, card = self.model, self.card.servo
-        own = position_servos_of(model, joint)
-        servos = model.actuator_armature[own].sum()
-        given = card.armature if card and not own else servos
+        given = card.armature if card and not position_servos_of(model, joint) else 0.0
+        given += model.actuator_armature[actuators_of(model, joint)].sum()
         return float(model.dof_armature[model.joint(joint).dofadr[0]] + given)
 
     def span(self, joint: str) -> tuple[float, float]:

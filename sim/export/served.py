@@ -16,7 +16,7 @@ from sim.drive.drive import Drive
 from sim.drive.rehearsal import Beforehand
 from sim.errors import UsageError
 from sim.export.servo_commands import taken
-from sim.export.servo_table import servo_table
+from sim.export.servo_table import require_limits
 from sim.feedback.stops import Stop, stop_after
 from sim.motion.schedule import Schedule, Scheduler
 from sim.preparation.scheduling import check_effort, schedule_flows
@@ -51,8 +51,6 @@ class ServedWalk:
         self.stops: list[Stop] = []
         self.scaled_down = 0
         self._actuators = actuators_driving(setup.model, self.joints)
-        card, make = setup.robot.card, setup.servo.kind
-        self._servos = servo_table(card, self.joints, make, None)
         self._drive = Drive(setup)
         self._drive.require_gentleness()
         self._beforehand = Beforehand(setup, self._drive)
@@ -114,7 +112,7 @@ class ServedWalk:
             return
         how = self.joints, self._actuators, self.rate, self.setup.limits.timestep
         commands = taken(np.concatenate(rows), *how)
-        self._servos.require_range(commands)
+        require_limits(self.setup.robot.card, commands)
         for angles in commands.angles:
             self._last = angles
             yield self.time, angles

@@ -43,6 +43,12 @@ class Channel:
         counts = times * self.counts_per_radian
         return replace(self, center=times * self.center, counts_per_radian=counts)
 
+    def require_range(self, angles: Array) -> None:
+        """Refuse angles beyond the range of the servo, with a UsageError."""
+        for angle in (float(angles.min()), float(angles.max())):
+            if not self.low - NEAR <= angle <= self.high + NEAR:
+                raise _outside(self, angle, self.low, self.high)
+
     def angle(self, counts: Array) -> Array:
         """Angles of counts [rad]."""
         return self.offset + self.sign * (counts - self.center) / self.counts_per_radian
@@ -108,9 +114,7 @@ class ServoTable:
         order = [commands.joints.index(joint) for joint in self.joints]
         angles: Array = commands.angles[:, order]
         for servo, column in zip(self.channels, angles.T, strict=True):
-            for angle in (float(column.min()), float(column.max())):
-                if not servo.low - NEAR <= angle <= servo.high + NEAR:
-                    raise _outside(servo, angle, servo.low, servo.high)
+            servo.require_range(column)
         return angles
 
 
@@ -203,6 +207,15 @@ def _channel(
     channel = number if servo.channel is None else servo.channel
     counts = servo.counts_per_radian or counts
     return Channel(joint, channel, servo.sign, center, servo.offset, counts, low, high)
+
+
+def require_limits(card: Card, commands: ServoCommands) -> None:
+    """Refuse angles beyond the limits that a card has for servos, as far as it does."""
+    limited = [j for j, servo in card.joint_servos.items() if servo.limits]
+    for joint, column in zip(commands.joints, commands.angles.T, strict=True):
+        if joint in limited:
+            servo = _channel(joint, 0, card.joint_servos[joint], None, None)
+            servo.require_range(column)
 
 
 def _outside(servo: Channel, angle: float, low: float, high: float) -> UsageError:

@@ -50,8 +50,10 @@ def undamped_joints(robot: Robot, asked: ServoSettings) -> tuple[str, ...]:
     def damping_ratio(joint: str, servo: int) -> float:
         dof = model.joint(joint).dofadr[0]
         inertia = model.dof_M0[dof] + added.get(joint, 0.0)
-        stiffness, own = model.actuator_gainprm[servo, 0], model.dof_damping[dof]
-        given = own - model.actuator_biasprm[servo, 2]
+        gear = model.actuator_gear[servo, 0] ** 2
+        own = model.actuator_damping[servo] - model.actuator_biasprm[servo, 2]
+        stiffness, given = gear * model.actuator_gainprm[servo, 0], gear * own
+        given += model.dof_damping[dof]
         return float(given / (2 * np.sqrt(stiffness * inertia)))
 
     return tuple(

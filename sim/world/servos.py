@@ -119,7 +119,8 @@ def ensure_servos(spec: mujoco.MjSpec, robot: Robot, asked: ServoSettings) -> No
     for number in couplings(robot):
         spec.equalities[number].active = False
     for joint in robot.card.joints:
-        servo = _only_servo(spec, joint) or _add_servo(spec, robot, joint)
+        servo = _only_servo(spec, spec.joint(joint)) or _add_servo(spec, robot, joint)
+        _free_of_damping(servo, spec.joint(joint), asked)
         servo.dyntype, servo.actlimited = mujoco.mjtDyn.mjDYN_NONE, 0
         servo.actrange, servo.actearly, servo.biasprm[0] = (0, 0), 0, 0.0
         servo.delay, servo.nsample, servo.interp = 0.0, 0, 0
@@ -132,18 +133,33 @@ def position_servos(spec: mujoco.MjSpec) -> list[mujoco.MjsActuator]:
     """Position servos on joints; a plugin has a law of its own."""
     plain = [a for a in spec.actuators if not a.plugin.active]
     on_joints = [a for a in plain if a.trntype in ON_JOINT]
-    return [a for a in on_joints if is_position_servo(a.gainprm[0], a.biasprm[1])]
+    return [a for a in on_joints if is_position_servo(a.gainprm, a.biasprm, a.biastype)]
 
 
-def _only_servo(spec: mujoco.MjSpec, joint: str) -> mujoco.MjsActuator | None:
-    """The joint's position servo, after its other actuators have been taken off."""
-    servo = next((s for s in position_servos(spec) if s.target == joint), None)
+def _only_servo(
+    spec: mujoco.MjSpec, joint: mujoco.MjsJoint
+) -> mujoco.MjsActuator | None:
+    """The joint's position servo, after its other actuators have been taken off.
+
+    Their rotors stay on the joint.
+    """
+    on_joints = [a for a in spec.actuators if a.trntype in ON_JOINT]
+    servo = next((s for s in position_servos(spec) if s.target == joint.name), None)
     kept = servo.name if servo is not None else None
-    driving = [a for a in spec.actuators if a.trntype in ON_JOINT and a.target == joint]
-    for actuator in driving:
-        if actuator.name != kept:
+    for actuator in on_joints:
+        if actuator.target == joint.name and actuator.name != kept:
+            joint.armature += actuator.armature * actuator.gear[0] ** 2
             _remove(spec, actuator)
     return servo
+
+
+def _free_of_damping(
+    servo: mujoco.MjsActuator, joint: mujoco.MjsJoint, asked: ServoSettings
+) -> None:
+    """Move the damping of a servo's gears to its joint, unless another is asked for."""
+    if asked.damping is None and asked.damping_ratio is None:
+        joint.damping += servo.damping * servo.gear[0] ** 2
+    servo.damping = np.zeros(3)
 
 
 def _remove(spec: mujoco.MjSpec, actuator: mujoco.MjsActuator) -> None:

@@ -223,7 +223,12 @@ def test_actuators_and_joints_are_found_by_what_they_drive_and_carry():
     ],
 )  # fmt: skip
 def test_a_position_servo_pulls_by_what_is_left_to_its_command(gain, bias, is_one):
-    assert is_position_servo(gain, bias) == is_one
+    law = np.array([gain, 0, 0]), np.array([0, bias, 0])
+    affine, none = mujoco.mjtBias.mjBIAS_AFFINE, mujoco.mjtBias.mjBIAS_NONE
+    assert is_position_servo(*law, affine) == is_one
+    assert not is_position_servo(*law, none)  # a motor, whatever its numbers
+    sloped = np.array([gain, 0.1, 0])
+    assert not is_position_servo(sloped, law[1], affine)
 
 
 @pytest.mark.parametrize(

@@ -38,6 +38,8 @@ def test_servos_swing_for_long_below_half_of_critical_damping_with_a_new_rotor(
         joint=lambda name: SimpleNamespace(dofadr=[0]),
         dof_M0=np.array([0.0 if rotor else inertia]),
         dof_damping=np.zeros(1),
+        actuator_damping=np.zeros(1),
+        actuator_gear=np.ones((1, 6)),
         actuator_gainprm=np.array([[stiffness]]),
         actuator_biasprm=np.array([[0, 0, -2 * ratio * np.sqrt(stiffness * inertia)]]),
     )
