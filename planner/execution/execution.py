@@ -23,7 +23,7 @@ from planner.errors import RangeError, StratumError, require_known
 from planner.execution.centring import centred
 from planner.execution.stepping import StabilityTest, stepped
 from planner.extension.extended import ExtendedSystem
-from planner.extension.steering import Wording
+from planner.extension.steering import Spelled, Wording
 from planner.numerics.arrays import Array
 from planner.systems.flows import Flow, Word, word_ends
 from planner.systems.grouping import regroup, regroup_in_gait
@@ -40,9 +40,7 @@ CHOICES: Mapping[str, tuple[tuple[Wording, ...], ...]] = {
     "symmetric": (("alternating",),),
     "fewest": (("backward", "forward"), ("backward",), ("forward",)),
 }  # sets of words to choose from; the next set is tried if limits refuse the plan
-ORDERS: tuple[Wording, ...] = (
-    "backward", "forward", "backward-turned", "forward-turned",
-)  # fmt: skip
+ORDERS: tuple[Wording, ...] = get_args(Spelled)
 SIGNED_FROM = 3  # degree of words whose signs are tried; below, rectangles have corners
 SAMPLE = 8  # segments whose words are played
 EQUAL = 1e-6  # relative difference of misses that is taken for rounding
