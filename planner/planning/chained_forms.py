@@ -40,7 +40,6 @@ AHEAD, TURN = "ahead", "turn"  # the combined fields
 MET = 1e-9  # distance from the goal to which flows of a chained form are followed
 CORRECTED = 1e-11  # distance above which they are corrected
 CORRECTABLE = 1e-2  # likewise, below which it is tried
-FINER = (1, 4, 16)  # times as many segments that are tried
 CHART = 1.0  # [rad] to either side of its direction, for which a chart serves
 
 
@@ -121,7 +120,7 @@ class ChainedForm:
 
     def _planned(self, start: Array, goal: Array, segments: int = 1) -> Plan:
         """The plan in this chart, in shorter segments where words swing too far."""
-        for times in FINER:
+        for times in (1, 4, 16):  # as many segments
             try:
                 return self._corrected(start, goal, times * segments)
             except PlannerError as error:

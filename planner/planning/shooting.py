@@ -29,7 +29,6 @@ SEGMENT_NODES = 9  # of a straight step; its inputs vary with the heading only
 FINEST = 2.0**-20  # smallest part of the way to the target that a step may go
 STALLED = 10  # shots that must at least halve the distance together
 AIMED_PIECES = (1, 2, 4, 8)  # tried in turn where shots stall
-MOST_AIMS = 40  # a dozen suffice where aiming converges
 
 
 class Shot(NamedTuple):
@@ -128,7 +127,7 @@ def _aimed(
     shot = shot_towards(extended, here, there, execution)
     miss = weights * (target - shot.end)
     longest = float(extended.system.length(target - here))
-    for _ in range(MOST_AIMS):
+    for _ in range(40):  # a dozen suffice where aiming converges
         tick()
         if np.linalg.norm(miss) <= tolerance:
             return shot

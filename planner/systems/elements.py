@@ -18,7 +18,6 @@ from planner.systems.strata import StratifiedSystem
 Tree = Any  # the name or number of a field, or a `Bracket` of trees
 
 MOST_BRACKETS = 20  # in one element; two generators have 200 000 elements up to there
-TOKEN = re.compile(r"\s*([\[\],]|\w+)")
 
 
 def parse(text: str, system: StratifiedSystem) -> Tree:
@@ -38,7 +37,7 @@ def parse(text: str, system: StratifiedSystem) -> Tree:
 
 def parse_names(text: str) -> Tree:
     """The tree that a bracket expression stands for, with the leaves as written."""
-    tokens = TOKEN.findall(text)
+    tokens = re.findall(r"\s*([\[\],]|\w+)", text)
     if "".join(tokens) != re.sub(r"\s", "", text):
         raise ValueError(f"element {text!r} is neither a field nor a bracket [a,b]")
     if text.count("[") > MOST_BRACKETS:
