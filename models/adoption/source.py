@@ -156,7 +156,6 @@ def _from_urdf(path: Path, text: str) -> str:
 
 
 SLOW = 2.0  # [rad/s]; legs swing at half a radian a second, and lift at one
-DECIMAL = re.compile(r"\d+\.?\d*|\.\d+")
 
 Point = tuple[float, float, float]
 
@@ -232,7 +231,7 @@ def _unsaid(robot: ET.Element) -> Iterator[str]:
         str(joint.get("name")): float(limit.get("velocity", ""))
         for joint in robot.iterfind("joint")
         for limit in joint.iterfind("limit[@velocity]")
-        if DECIMAL.fullmatch(limit.get("velocity", ""))
+        if re.fullmatch(r"\d+\.?\d*|\.\d+", limit.get("velocity", ""))
     }
     slow = [joint for joint, speed in speeds.items() if 0 < speed <= SLOW]
     if slow:

@@ -15,7 +15,6 @@ import numpy as np
 from planner import Array
 
 _STICKS = 1e-9  # slower than this share of the fastest rate, a foot sticks
-_SMOOTHINGS = tuple(10.0**-k for k in range(1, 9, 2))
 
 
 def foot_velocities(feet: Array, rates: Array, twist: Array) -> Array:
@@ -183,7 +182,7 @@ class _Problem:
         """Newton's method on ever less smoothed dissipation; the start if worse."""
         J = self.gripped(foot_jacobians(self.feet))
         xi = start
-        for smoothing in _SMOOTHINGS:
+        for smoothing in (10.0**-k for k in range(1, 9, 2)):
             for _ in range(12):  # steps of Newton's method
                 step = self._newton_step(xi, J, smoothing)
                 xi = xi + step

@@ -118,7 +118,6 @@ def _found(model: mujoco.MjModel, kind: str, name: str) -> Path | None:
 
 SECONDS = 8  # of the processor, in which a model must compile
 MEMORY = 2 * 10**9  # bytes
-PATIENCE = 30  # [s] by the clock
 ROOT = Path(__file__).resolve().parents[2]
 SHOWN = 3  # files that a message names
 
@@ -163,7 +162,7 @@ def _tried(path: Path) -> list[str]:
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
-            timeout=PATIENCE,
+            timeout=30,  # [s] by the clock
         )
     except subprocess.TimeoutExpired:
         raise too_large from None

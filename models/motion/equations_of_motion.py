@@ -17,7 +17,6 @@ Twist = tuple[sp.Expr | float, sp.Expr | float, sp.Expr | float]
 """Forward, left and yaw of the body per unit of a field."""
 Direction = tuple[float, ...]  # rate of each group's angle per unit of a field
 POSE = sp.symbols("x y theta")
-STILL: Twist = (0, 0, 0)
 EXACT = 2**53  # up to here floats hold every whole number
 
 
@@ -59,7 +58,7 @@ def walking_system(
     still = [*POSE, *([] if trailer is None else [sp.Symbol("psi")]), *phi]
     fields: dict[str, dict[str, list[sp.Expr]]] = {name: {} for name, _ in contacts}
     for swing in swings:
-        velocity = _velocity(swing.twist or STILL, trailer)
+        velocity = _velocity(swing.twist or (0, 0, 0), trailer)
         column = [*velocity, *map(_exact, swing.direction), *[sp.S.Zero] * len(height)]
         fields[swing.stratum][swing.name] = column
     level_sets = {}

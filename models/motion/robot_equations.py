@@ -26,7 +26,6 @@ from planner.extension import AFFORDABLE, DirectionCost, stroke_costs
 from planner.systems import ShapeLimits
 
 Fields = Literal["paper", "lifted"]
-STILL: Twist = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +106,7 @@ def equations(robot: Robot, fields: Fields = "lifted") -> Equations:
     return Equations(
         system=walking_system(robot.groups, contacts, swings, radius=kinematics.reach),
         elements=elements,
-        twists={swing.name: swing.twist or STILL for swing in swings},
+        twists={swing.name: swing.twist or (0.0, 0.0, 0.0) for swing in swings},
         swings={swing.name: swing.direction for swing in swings},
         stance="paper" if fields == "paper" else centred,
         static_stability=StaticStability(robot).stands if card.least_load else None,

@@ -92,8 +92,7 @@ class QuasiStaticTwists:
         moved = stance.rates * rates[..., robot.group_of_leg[on], None]
         grip, ground = None, self.ground.under(on)
         if self.grip is not None:
-            way = stance.rates
-            across = way / np.linalg.norm(way, axis=-1, keepdims=True)
+            across = stance.rates / np.linalg.norm(stance.rates, axis=-1, keepdims=True)
             grip = ellipses(across, self.grip[::-1])
         if on.sum() <= 3:
             loads = static_loads(stance.feet, stance.center_of_mass) * ground.shares
