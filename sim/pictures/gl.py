@@ -14,7 +14,6 @@ from functools import cache
 from sim.errors import ROOT, RenderError
 
 BACKENDS = ("egl", "osmesa")  # in the order they are tried
-OFF = ("disable", "disabled", "off", "false", "0")  # as MuJoCo spells it
 ASKED = "STRATAWALK_GL"  # what MUJOCO_GL said before physics silenced it
 TRIAL_LIMIT = 60.0  # [s]; a trial takes 0.5 s
 INSTALL = "on Debian: apt-get install libegl1 libopengl0 libgl1-mesa-dri"
@@ -39,7 +38,7 @@ def probe() -> str:
     none, or if MUJOCO_GL switches pictures off.
     """
     asked = os.environ.get(ASKED, os.environ.get("MUJOCO_GL", "")).strip().lower()
-    if asked in OFF:
+    if asked in ("disable", "disabled", "off", "false", "0"):  # as MuJoCo spells it
         raise RenderError.of("no_pictures", f"MUJOCO_GL={asked}", to=BACKENDS[0])
     return _first_that_draws(tuple(sorted(BACKENDS, key=lambda name: name != asked)))
 

@@ -24,7 +24,6 @@ PLOTS = 2
 DOT, CROSS = 4, 5  # of the present error, and of no error [pixels]
 RIM, TIP = 62, 13  # from the middle to what points ahead, and its length [pixels]
 FILL = 0.8  # of half the plot, at most, for the largest error
-NOTHING = 1e-9  # [m], below which an error is rounding
 DIGITS = np.array([1.0, 2.0, 5.0])
 
 
@@ -115,6 +114,6 @@ def _tip(draw: Draw, at: tuple[float, float], way: Sequence[float] | Array) -> N
 
 def magnification(largest: float, room: float) -> float:
     """The greatest of 1, 2, 5 times a power of ten by which a size fits a room."""
-    most = room / max(largest, NOTHING)
+    most = room / max(largest, 1e-9)  # [m], below which an error is rounding
     power = 10.0 ** np.floor(np.log10(most))
     return float(power * DIGITS[power * DIGITS <= most * (1 + 1e-9)].max())

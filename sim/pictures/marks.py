@@ -25,7 +25,6 @@ from sim.runs.run import Run
 # In units of the robot's reach.
 CELLS = 0.5  # of the grid, about
 SPACING, JUMP = 0.006, 0.03  # between points of a path; a longer step is no path
-DASH = 0.08
 TRAIL = 0.012  # width of the slip of a foot
 FINENESS = 0.002  # by which outlines are simplified
 
@@ -41,7 +40,7 @@ FADING = ((0.25, None), (0.45, 8 * FRAME_RATE), (0.75, 3 * FRAME_RATE))
 
 def marks(walk: Run, clock: Clock, frames: range) -> tuple[Mark, ...]:
     """All marks but the grid, the lowest first; what moves is drawn for `frames`."""
-    dash, width = DASH * walk.reach, NOMINAL.width * walk.reach
+    dash, width = 0.08 * walk.reach, NOMINAL.width * walk.reach
     nominal = dashes(walk.nominal[:, :2], dash, width)
     end, first, radius = walk.nominal[-1:, :2], [0], palette.GOAL * walk.reach
     covered = join([])
