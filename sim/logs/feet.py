@@ -26,7 +26,6 @@ from planner import Array
 from sim.motion.poses import trail
 
 LIFTED = 0.02  # of the highest lift, from which on a foot is in the air
-LEAST_LIFT = 5e-4  # [m]
 INSIDE_FEET = -1e-6  # share of the weight on each of three feet that bear it
 FLAT_FEET = 1e-9  # [m^2]; feet on a line make no triangle
 TOGETHER = 10**6  # triangles of feet at moments, which take 300 MB together
@@ -49,7 +48,7 @@ class Posture:
     @property
     def near(self) -> float:
         """Height up to which a foot is as low as the lowest one [m]."""
-        return max(LIFTED * float(self.height.max()), LEAST_LIFT)
+        return max(LIFTED * float(self.height.max()), 5e-4)  # [m]
 
     @property
     def standing(self) -> Array:

@@ -31,7 +31,6 @@ from sim.scenarios.declaration import (
 Pose = tuple[float, float, float]
 START: Pose = (0.0, 0.0, 0.0)
 SHORTEST_WAY = 1e-6  # [m]; shares of a shorter one are rounding
-CLOSE = 1e-12  # [m] or [rad], of a start that counts as (0, 0, 0)
 FARTHEST_POSE = 1e6  # [m] or [rad]; beyond, rounding would exceed single steps
 COLUMNS = ("x", "y", "yaw")  # of a file of poses, [m], [m], [rad]
 MOST_POSES, MOST_BYTES = 100_000, 5 * 10**7  # in such a file
@@ -119,7 +118,7 @@ def formulas(given: Mapping[str, object]) -> NominalPath:
     except ValueError as error:
         raise UsageError.at("path", error, "write formulas of s") from error
     start, goal = curve(0.0), curve(1.0)
-    if np.abs(start).max() > CLOSE:
+    if np.abs(start).max() > 1e-12:  # [m] or [rad], of a start that counts as (0, 0, 0)
         raise refusal(start.tolist(), "[0, 0, 0], the start pose", WHERE, "path(0)")
     if np.abs(goal).max() > FARTHEST_POSE:
         raise refusal(goal.tolist(), f"numbers, {NONE_BEYOND}", WHERE, "path(1)")

@@ -19,7 +19,6 @@ from sim.scenarios import declaration
 
 Point = tuple[float, float]
 
-THICKNESS = 0.02  # of a wall [m], if it says nothing
 OBSTACLE_HEIGHT = 0.12  # [m], above the shipped robots
 FARTHEST = 1e3  # [m] from the start
 MOST_CORNERS = 3000  # of all obstacles, which take seconds to compile
@@ -122,7 +121,7 @@ def encode(obstacle: Obstacle) -> dict[str, object]:
 
 def _wall(points: Sequence[Point], values: declaration.Table) -> Pieces:
     """A chain of straight pieces, each longer by the thickness to close the corners."""
-    thickness = values.get("thickness", THICKNESS)
+    thickness = values.get("thickness", 0.02)  # of a wall [m]
     pieces = []
     for (x, y), (next_x, next_y) in pairwise(points):
         dx, dy = next_x - x, next_y - y

@@ -30,7 +30,6 @@ LINEAR, LOGARITHMIC = "linear", "log"
 LAST_END = 1e100  # between ends beyond it there may be no numbers
 OF_SOBOL = {"points", "seed"}  # which are no settings there
 MOST_POINTS = 50_000  # of a sweep; checking them takes some ten seconds
-LONGEST_KEY = 200  # letters
 MOST_KEYS = 100  # of a sweep; of so many points they take half a gigabyte
 WHOLE = {name for name, item in SETTINGS.items() if item.includes(int)}
 STUDIES = Path(str(files("sim.studies")))
@@ -221,7 +220,7 @@ def flat(table: Table, head: str = "") -> Iterator[tuple[str, object]]:
     Ranges, and tables that say what kind of thing they are, count as values.
     """
     for key, value in table.items():
-        if len(head) + len(key) > LONGEST_KEY:
+        if len(head) + len(key) > 200:  # letters
             raise UsageError.of("long_key", "the sweep's file", key=f"{head}{key}"[:40])
         if isinstance(value, Mapping) and not (
             "kind" in value or {"from", "to"} <= value.keys()

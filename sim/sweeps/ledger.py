@@ -111,7 +111,6 @@ SEAL = b'{"seal": "%b", '
 LENGTH = len(SEAL % bytes(16))
 LONGEST_LINE = 10**6  # bytes of a line
 LARGEST_LEDGER = 2 * 10**9  # bytes that it takes, held and as a table; most, less
-INT64 = 2**63  # beyond the numbers that a table takes
 
 
 @dataclass(frozen=True, slots=True)
@@ -243,5 +242,5 @@ def _sealed(content: bytes) -> bytes:
 def _is_plain(value: object) -> bool:
     """Whether a table has room for a value: a number, a text, yes or no, or nothing."""
     if isinstance(value, int | float):
-        return abs(value) < INT64
+        return abs(value) < 2**63  # beyond the numbers that a table takes
     return value is None or is_text(value)
