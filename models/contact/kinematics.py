@@ -25,7 +25,6 @@ from models.errors import ModelError, message
 from planner import Array
 
 Geom = mujoco.mjtGeom
-_CORNERS = np.array(list(product((-1.0, 1.0), repeat=3)))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -45,7 +44,7 @@ def covering_core(model: mujoco.MjModel, geom: int) -> Core | None:
         case Geom.mjGEOM_CAPSULE | Geom.mjGEOM_CYLINDER:
             return Core(_ends(size), float(size[0]))
         case Geom.mjGEOM_BOX | Geom.mjGEOM_ELLIPSOID:
-            return Core(_CORNERS * size)
+            return Core(np.array(list(product((-1.0, 1.0), repeat=3))) * size)
         case Geom.mjGEOM_MESH:
             mesh = model.geom_dataid[geom]
             first, count = model.mesh_vertadr[mesh], model.mesh_vertnum[mesh]

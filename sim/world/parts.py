@@ -6,7 +6,6 @@ from typing import Any
 import mujoco
 import numpy as np
 
-ADDED = "actuator", "geom", "joint", "light", "material", "mesh"  # to a robot's file
 OWN = {"classname", "info", "name"}  # what each part has of its own
 
 
@@ -30,5 +29,5 @@ def forget_defaults(spec: mujoco.MjSpec) -> None:
     Parts that are there keep what the file's defaults have given them.
     """
     plain = mujoco.MjSpec().default
-    for kind in ADDED:
+    for kind in ("actuator", "geom", "joint", "light", "material", "mesh"):
         copy_settings(getattr(spec.default, kind), getattr(plain, kind))
