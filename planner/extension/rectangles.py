@@ -186,8 +186,9 @@ class Rectangles:
         [X,[X,Y]] and [Y,[X,Y]].
         """
         scales = np.ones((len(beyond), len(self.hall.generators)))
-        if self._pair is None:
+        if self.hall.only_pair is None:
             return scales
+        pair = [number - 1 for number in self.hall.only_pair]
         first, second = np.moveaxis(beyond, -1, 0)
         one, two = np.linalg.norm(first, axis=-1), np.linalg.norm(second, axis=-1)
         along = np.abs((first * second).sum(axis=-1))
@@ -195,7 +196,7 @@ class Rectangles:
         ratio = np.where(parallel, two, 1.0) / np.where(parallel, one, 1.0)
         ratio = np.where(np.abs(ratio - 1) < EQUAL, 1.0, ratio)
         root = np.sqrt(np.clip(ratio, 1 / LONGEST_SHAPE, LONGEST_SHAPE))
-        scales[:, self._pair] = np.stack([root, 1 / root], axis=-1)
+        scales[:, pair] = np.stack([root, 1 / root], axis=-1)
         return scales
 
     @cached_property
@@ -203,11 +204,6 @@ class Rectangles:
         """Places of the brackets of the highest degree that move anything."""
         tops = [(j, e) for j, e in enumerate(self.hall.elements) if degree(e) == DEGREE]
         return [j for j, e in tops if e not in self.hall.vanishing]
-
-    @cached_property
-    def _pair(self) -> list[int] | None:
-        pair = self.hall.only_pair
-        return pair and [number - 1 for number in pair]
 
     @cached_property
     def _beyond(self) -> tuple[Element, ...]:

@@ -145,7 +145,7 @@ def test_more_than_one_pair_has_no_shape_of_its_own():
     fields = {"f": [1, 0, "-y", "-z"], "g": [0, 1, "x", 0], "k": [0, 0, 0, "x"]}
     system = StratifiedSystem("x y z w", {"0": fields}, "0")
     rect = rectangles(system, hall_fields(system, ("f", "g", "k"), 2))
-    assert rect._pair is None
+    assert rect.hall.only_pair is None
     assert rect._sides(np.ones((2, 4, 5))).tolist() == np.ones((2, 3)).tolist()
 
 
