@@ -18,7 +18,6 @@ from planner.systems.elements import leaves, parse
 from planner.systems.strata import StratifiedSystem
 
 AFFORDABLE = 10_000.0  # strokes a unit; more make a direction one in theory only
-MISSED = 1e-6  # of a unit of any coordinate
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +76,7 @@ def _cost(
         for weight in (np.ones(len(size)), np.where(rows, size, 1.0)):
             weighed, wanted = (usable / weight[:, None])[rows], (unit / weight)[rows]
             amounts, *_ = np.linalg.lstsq(weighed, wanted, rcond=None)
-            if np.abs(usable @ amounts - unit).max() < MISSED:
+            if np.abs(usable @ amounts - unit).max() < 1e-6:
                 given = np.abs(usable[row] * amounts).round(9)  # parts of the unit
                 main = elements[int(given.argmax())]
                 return DirectionCost(name, main, float(np.abs(amounts).sum()))
