@@ -27,9 +27,6 @@ from sim.progress import Progress, silent
 
 SPAN = 0.25  # [rad] either side; loaded sweeps of the shipped walks stay within
 POSE_DEGREE = 6  # of the pose by the angle; the twist is of one degree less
-SPEED = 0.5  # [rad/s], at least
-ACCELERATION = 5.0  # [rad/s^2], at least
-HOLD = 0.5  # [s], at most; a robot has settled by then
 TOLERATED = 0.2  # of a stroke's motion; up to 0.12 measured on shipped robots
 LONGEST_STAND = 10.0  # [s], that creep is measured for
 WAY_PARTS = 200  # parts of the way in which predictions are summed
@@ -90,9 +87,9 @@ def swing(setup: Setup, field: str, span: float) -> tuple[Array, Array, float]:
     direction = setup.equations.swings[field]
     limits = replace(  # those of the walk, unless it would be slow
         setup.limits,
-        swing_speed=max(setup.limits.swing_speed, SPEED),
-        swing_acceleration=max(setup.limits.swing_acceleration, ACCELERATION),
-        hold=min(setup.limits.hold, HOLD),
+        swing_speed=max(setup.limits.swing_speed, 0.5),  # [rad/s]
+        swing_acceleration=max(setup.limits.swing_acceleration, 5.0),  # [rad/s^2]
+        hold=min(setup.limits.hold, 0.5),  # [s]; a robot has settled by then
     )
     stratum = setup.equations.system.stratum_of[field]
     scheduler = Scheduler(limits, setup.at_rest)
