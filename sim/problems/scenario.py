@@ -28,8 +28,6 @@ from sim.scenarios.scenario import Scenario
 from sim.walking.finished import Ahead
 
 WIDER = 1.5  # times the joint range
-AIMS = 4  # plans that are aimed; each misses a tenth of what the one before does
-HIT = 1e-5  # [m] and [rad] that a plan may be foreseen to miss
 LEAST_POSITION, LEAST_YAW = 1e-3, 1e-2  # [m], [rad]; of a tolerance that is not given
 ROUNDED = 1.0 + 1e-9  # times a tolerance, within which it is kept
 
@@ -123,7 +121,7 @@ class ScenarioProblem(Problem):
         """The solution that the compliant prediction sees end closest to the goal."""
         offset, wanted = self.setup.goal_offset, self.path(1.0)[:3]
         tried: list[tuple[float, Solution]] = []
-        for _ in range(AIMS):
+        for _ in range(4):  # each misses a tenth of what the one before does
             problem = self.beside(offset)
             try:
                 found = super(ScenarioProblem, problem).solve()
@@ -135,7 +133,7 @@ class ScenarioProblem(Problem):
             missed = self.centre._ahead.end(problem.setup, found.plan) - wanted
             missed[2] = wrap(missed[2])
             tried.append((float(np.abs(missed).max()), found))
-            if tried[-1][0] < HIT:
+            if tried[-1][0] < 1e-5:  # [m] and [rad] that a plan may be foreseen to miss
                 break
             x, y, yaw = (np.array(offset) - missed).tolist()
             offset = x, y, yaw
