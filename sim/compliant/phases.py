@@ -31,7 +31,6 @@ SAME_HEADING = 0.02  # [rad], where gravity leans
 LOOKED_AT = 4  # moments of a phase at which commands are compared
 MOST_HELD = 10**8  # numbers of such commands, of all phases
 LANES_WORTH = 40.0  # lanes that an increment of many costs as much as
-HEADINGS = 3  # rounds in which headings are corrected
 
 
 class Motion(NamedTuple):
@@ -103,7 +102,7 @@ class Phases:
 
         Raises MeasurementError where one tips over, or no equilibrium is found.
         """
-        for _ in range(HEADINGS if self.leans else 1):
+        for _ in range(3 if self.leans else 1):  # in which headings are corrected
             found = self._found(course)
             motion, headings = _composed(course, [motions[0] for motions in found])
             if np.abs(headings - course.heading).max(initial=0.0) <= SAME_HEADING:

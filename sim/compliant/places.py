@@ -9,7 +9,6 @@ from planner import Array
 from sim.compliant.anatomy import Anatomy, Robots
 
 UP = np.array([0.0, 0.0, 1.0])
-SMALL = 1e-4  # [rad], below which a rotation is a polynomial
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,7 +116,7 @@ def rotation(v: Array) -> Array:
     """Matrices of rotation vectors, (..., 3) to (..., 3, 3)."""
     square = (v * v).sum(axis=-1)[..., None, None]
     angle = np.sqrt(square)
-    small = angle < SMALL
+    small = angle < 1e-4  # [rad], below which a rotation is a polynomial
     safe = np.where(small, 1.0, angle)
     sine = np.where(small, 1 - square / 6, np.sin(safe) / safe)
     cosine = np.where(small, 0.5 - square / 24, (1 - np.cos(safe)) / safe**2)
