@@ -27,7 +27,6 @@ from sim.world.dead_bands import band_in
 from sim.world.imperfections import RUBBED, turned
 from sim.world.servos import Channels
 
-NOTHING = 1e-300  # beside angles [rad]
 LAW_STEP = 0.004  # [s] of the law, which is solved exactly in between
 GOING = 1.0  # [s] in which the robot goes from its start to the log's first row
 LIGHTEST, LAG = 1e-7, 1e-3  # [kg m^2], [s] by which servos without damping brake
@@ -73,7 +72,7 @@ class Commanded:
             before = np.abs(e) - w
             after = np.abs(e - np.where(before > 0, held[0], free[0])) - w
             out = np.maximum(before, 0) + np.maximum(after, 0)  # of the band, of a step
-            out /= np.abs(before) + np.abs(after) + NOTHING
+            out /= np.abs(before) + np.abs(after) + 1e-300  # nothing beside angles
             x += (moved := free + out * (held - free))
             u = kept * (u - moved[1]) - fallen[t]
             loose = s + self.step * u
