@@ -18,7 +18,6 @@ from pathlib import Path
 from typing import IO, NoReturn
 
 ROOT = Path(__file__).resolve().parents[1]
-CODES = {0, 2, 3, 4, 6, 7, 8}  # that an input alone may lead to
 PROGRESS = re.compile(r"[^:]+, (about \d+ s left|\d+ s so far)")  # of long work
 HINTS = tuple(f"stratawalk: {kind}: " for kind in ("notice", "warning", "driven"))
 SLICE = 0.5  # [s] of waiting; a stop of all processes counts as one
@@ -40,7 +39,7 @@ class Ending:
         said = " ".join(lines)[:300]
         if self.code is None:
             return "does not end in time"
-        if self.code not in CODES:
+        if self.code not in {0, 2, 3, 4, 6, 7, 8}:  # that an input alone may lead to
             return f"ends with {self.code}: {said}"
         if len(lines) != (self.code != 0):
             return f"says {len(lines)} lines with code {self.code}: {said}"

@@ -15,7 +15,6 @@ from pathlib import Path
 from planner.support import shipped_tables
 from scripts.endings import ROOT
 
-NUMBER = re.compile(r"-?\d+\.?\d*(?:e-?\d+)?")
 TEXTS = shipped_tables("scripts", "fuzz.toml")
 NASTY = (*TEXTS["nasty"], "9" * 400, "1" * 5000, "[" * 300, "\x00", "\udcff", "ö")
 
@@ -33,7 +32,7 @@ def write(path: Path, text: str) -> None:
 
 
 def _number(text: str, rng: random.Random) -> str:
-    if not (places := list(NUMBER.finditer(text))):
+    if not (places := list(re.finditer(r"-?\d+\.?\d*(?:e-?\d+)?", text))):
         return text
     place = rng.choice(places)
     return text[: place.start()] + rng.choice(NASTY) + text[place.end() :]

@@ -23,14 +23,12 @@ from scripts.endings import ROOT, Ending, ending, other
 from scripts.pages import tabulate
 
 HEADER = "# | input or fault | command | code | what it says | test"
-PAGE = ROOT / "docs" / "faults.md"
 ROBOTS = ROOT / "models" / "robots"
 TOOLS = {  # found before all others
     "stratawalk": '#!/bin/sh\nexec {python} -m sim.cli "$@"\n',
     "python": '#!/bin/sh\nexec {python} "$@"\n',
 }
 MOST_CHARACTERS = 260  # characters of what is said
-AT_ONCE = 2  # rows
 
 _FILE = shipped_tables("scripts", "faults.toml")
 TEXTS: Mapping[str, str] = _FILE["texts"]
@@ -131,12 +129,12 @@ def main(numbers: Sequence[str]) -> int:
 
     def cells() -> Iterator[list[str]]:
         nonlocal wrong
-        with ThreadPoolExecutor(AT_ONCE) as pool:
+        with ThreadPoolExecutor(2) as pool:  # rows at once
             for row, end in zip(rows, pool.map(ended, rows), strict=True):
                 wrong += bool(row.wrong(end))
                 yield row.cells(end)
 
-    tabulate(HEADER, cells(), None if numbers else PAGE)
+    tabulate(HEADER, cells(), None if numbers else ROOT / "docs" / "faults.md")
     return int(wrong > 0)
 
 
