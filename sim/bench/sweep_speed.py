@@ -24,7 +24,6 @@ from sim.sweeps.ledger import OK, Outcome, digest, opened, software
 from sim.sweeps.sweeping import carry_on, points_of
 from sim.sweeps.worker_pool import Task, numbers, open_pool
 
-FRICTIONS = (0.5, 0.8)
 SHORT = {"path.goal": [0.02, 0.02, 0.0], "segments": 4}
 TINY = SHORT | {"segments": 1, "path.goal": [0.004, 0.004, 0.0]}
 WITHOUT = ("identified", "compliant", "creep_floor")
@@ -44,7 +43,7 @@ def measure() -> Iterator[Row]:
 def throughput(scenario: Scenario) -> Iterator[Row]:
     """Points at two frictions in turn against the same commands on the same models."""
     shared = Shared()
-    points = [replace(scenario, friction=friction) for friction in FRICTIONS]
+    points = [replace(scenario, friction=friction) for friction in (0.5, 0.8)]
     done = [simulate(point, without=WITHOUT, shared=shared) for point in points]
     walks = [one.walk for one in done]
     played = [(w.setup.model, np.concatenate(list(w.commands()))) for w in walks]

@@ -30,7 +30,6 @@ from sim.scenarios.file import load_scenario
 from sim.templates import render
 
 BUDGET = 30.0  # [s] of the processor, to adopt a robot
-PLACES = (-1.0, 0.0, 1.0)  # of the span at which measured twists are shown
 
 
 def robots(options: argparse.Namespace) -> None:
@@ -128,7 +127,7 @@ def fields(setup: Setup, progress: Progress) -> list[dict[str, Any]]:
     found: list[dict[str, Any]] = []
     for name, field in identified.fields.items():
         stratum, slip = field.stratum, field.slip
-        ways, d = field.span * np.array(PLACES), np.array(field.direction)
+        ways, d = field.span * np.array((-1.0, 0.0, 1.0)), np.array(field.direction)
         at = stratum, ways[:, None] * d, np.tile(d, (len(ways), 1))
         twists = {kind: model(*at).tolist() for kind, model in models.items()}
         along = {"angles": ways.tolist(), "twists": twists, "slip": slip}

@@ -23,7 +23,6 @@ from sim.physics.engine import Engine
 from sim.preparation.setup import Setup
 from sim.world.imperfections import BACKLASH, turned
 
-TURNS = 8  # of practice, at most: they need not converge, and the best is taken
 WELL_MET = 0.002  # of the reach, that a turn may miss the end by for practice to end
 PART = 0.7  # of what was missed, that is added after a turn
 
@@ -112,7 +111,7 @@ class Practice:
         loose, reach = self._loose, self._loose.setup.kinematics.reach
         began, drive = loose.engine.moment, loose.drive
         shift, tried = np.zeros_like(wanted.values), []
-        for turn in range(TURNS):
+        for turn in range(8):  # at most: they need not converge, the best is taken
             loose.engine.rewind(began)
             loose.drive = copy(drive)
             shifts = replace(wanted, values=shift)
