@@ -2,11 +2,13 @@
 
 from collections import Counter
 from collections.abc import Iterator
+from itertools import product
 
 import mujoco
 import numpy as np
 
 from models.contact.kinematics import UPRIGHT, Kinematics
+from models.description.actuators import actuators_of
 from models.description.card import LegCard
 from models.description.compiled import joints_above, root_body
 from models.description.robot import Robot
@@ -72,8 +74,10 @@ def _part_problems(model: mujoco.MjModel, leg: LegCard) -> Iterator[Problem]:
     for joint in leg.joints:
         if model.joint(joint).type != hinge:
             yield "no_hinge", {"joint": joint}
-        for name in ("damping", "frictionloss", "stiffness"):
-            value = float(getattr(model.joint(joint), name)[0])
+        parts = model.joint(joint), *map(model.actuator, actuators_of(model, joint))
+        laws = "damping", "frictionloss", "stiffness", "armature"
+        for part, name in product(parts, laws):
+            value = float(getattr(part, name, [0.0])[0])
             if not 0 <= value <= 1e6:  # [N m/rad]; no joint has more
                 yield "drives", {"joint": joint, "name": name, "value": value}
     for joint, angle in leg.hold.items():

@@ -7,7 +7,7 @@ from .actuators import (
     position_servos_of as position_servos_of,
 )
 from .card import CLOCKS as CLOCKS
-from .card_file import parse_card as parse_card
+from .card_file import card_text as card_text, parse_card as parse_card
 from .compiled import (
     compile_model as compile_model,
     fixed_to as fixed_to,

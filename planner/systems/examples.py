@@ -1,7 +1,4 @@
-"""The least systems on which brackets show, with which examples and first tries begin.
-
-Systems with a goal and a picture, which `stratawalk plan` takes, are `models.SYSTEMS`.
-"""
+"""The least systems on which brackets show, with which examples begin."""
 
 from collections.abc import Mapping
 

@@ -158,6 +158,7 @@ def _is_alike(robot: Robot, other: Robot) -> bool:
 def _made(robot: Robot) -> list[Array]:
     model = robot.model
     touches = (model.geom_contype | model.geom_conaffinity) > 0
+    touches &= model.body_weldid[model.geom_bodyid] > 0  # not those of the floor
     shapes = [getattr(model, name)[touches] for name in SHAPES]
     return [getattr(model, name) for name in BUILT] + shapes
 

@@ -8,7 +8,7 @@ counts of the divider that the sketch gives its board, whatever clock was measur
 import re
 import sys
 from collections.abc import Mapping
-from math import degrees, inf, radians
+from math import degrees, radians
 from pathlib import Path
 
 import mujoco
@@ -69,10 +69,11 @@ def joint_servo(
 
 def marks(robot: Robot, joint: str) -> tuple[float, float]:
     """Two angles of a joint that are far apart and within its range [rad]."""
-    servo = robot.card.joint_servos.get(joint, JointServo())
-    ends = robot.span(joint), servo.limits or (-inf, inf)
-    (low, high), stands = zip(*ends, strict=True), robot.standing_angle(joint)
-    return max(stands - MARK, *low), min(stands + MARK, *high)
+    low, high = robot.span(joint)
+    if own := robot.card.joint_servos.get(joint, JointServo()).limits:
+        low, high = max(low, own[0]), min(high, own[1])
+    middle = min(max(robot.standing_angle(joint), low), high)
+    return max(middle - MARK, low), min(middle + MARK, high)
 
 
 def card_with(
@@ -95,11 +96,7 @@ def card_with(
 
 
 def require_room(robot: Robot, pulse: bool) -> None:
-    """Refuse a card that would not be TOML with the servos of all joints.
-
-    So are counts that a servo has, and of which it is not known that they are of its
-    kind, of a `pulse` or not: the divider that is written makes them counts of pulses.
-    """
+    """Refuse a card that would be no TOML, or in which ticks would become pulses."""
     card, path = robot.card, robot.path.with_suffix(".toml")
     counted = [j for j, servo in card.mounted.items() if servo.center is not None]
     if counted and pulse != bool(card.board_divider):

@@ -211,11 +211,10 @@ def _channel(
 
 def require_limits(card: Card, commands: ServoCommands) -> None:
     """Refuse angles beyond the limits that a card has for servos, as far as it does."""
-    limited = [j for j, servo in card.joint_servos.items() if servo.limits]
-    for joint, column in zip(commands.joints, commands.angles.T, strict=True):
-        if joint in limited:
-            servo = _channel(joint, 0, card.joint_servos[joint], None, None)
-            servo.require_range(column)
+    for joint, servo in card.joint_servos.items():
+        if servo.limits:
+            column = commands.angles[:, commands.joints.index(joint)]
+            _channel(joint, 0, servo, None, None).require_range(column)
 
 
 def _outside(servo: Channel, angle: float, low: float, high: float) -> UsageError:

@@ -252,10 +252,7 @@ def _named(key: str) -> str:
 
 
 def _labels(values: Sequence[object]) -> dict[object, str]:
-    """Each value as it is written at an axis, numbers in ascending order.
-
-    They have three digits, or as many as tell them apart.
-    """
+    """Each value as it is written, numbers in order, with digits that tell it apart."""
     numbers = [value for value in values if isinstance(value, int | float)]
     plain = len(numbers) == len(values) and bool not in map(type, values)
     each = [*dict.fromkeys(sorted(numbers) if plain else values)]

@@ -120,7 +120,9 @@ def ensure_servos(spec: mujoco.MjSpec, robot: Robot, asked: ServoSettings) -> No
         spec.equalities[number].active = False
     for joint in robot.card.joints:
         servo = _only_servo(spec, spec.joint(joint)) or _add_servo(spec, robot, joint)
-        _free_of_damping(servo, spec.joint(joint), asked)
+        if asked.damping is None and asked.damping_ratio is None:  # that of its gears
+            spec.joint(joint).damping += servo.damping * servo.gear[0] ** 2
+        servo.damping = np.zeros(3)
         servo.dyntype, servo.actlimited = mujoco.mjtDyn.mjDYN_NONE, 0
         servo.actrange, servo.actearly, servo.biasprm[0] = (0, 0), 0, 0.0
         servo.delay, servo.nsample, servo.interp = 0.0, 0, 0
@@ -139,10 +141,7 @@ def position_servos(spec: mujoco.MjSpec) -> list[mujoco.MjsActuator]:
 def _only_servo(
     spec: mujoco.MjSpec, joint: mujoco.MjsJoint
 ) -> mujoco.MjsActuator | None:
-    """The joint's position servo, after its other actuators have been taken off.
-
-    Their rotors stay on the joint.
-    """
+    """The joint's position servo; of its other actuators the rotors alone remain."""
     on_joints = [a for a in spec.actuators if a.trntype in ON_JOINT]
     servo = next((s for s in position_servos(spec) if s.target == joint.name), None)
     kept = servo.name if servo is not None else None
@@ -151,15 +150,6 @@ def _only_servo(
             joint.armature += actuator.armature * actuator.gear[0] ** 2
             _remove(spec, actuator)
     return servo
-
-
-def _free_of_damping(
-    servo: mujoco.MjsActuator, joint: mujoco.MjsJoint, asked: ServoSettings
-) -> None:
-    """Move the damping of a servo's gears to its joint, unless another is asked for."""
-    if asked.damping is None and asked.damping_ratio is None:
-        joint.damping += servo.damping * servo.gear[0] ** 2
-    servo.damping = np.zeros(3)
 
 
 def _remove(spec: mujoco.MjSpec, actuator: mujoco.MjsActuator) -> None:

@@ -4,6 +4,7 @@ import io
 import re
 import shutil
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -142,6 +143,24 @@ def test_counts_of_another_kind_of_servo_are_not_gone_on_with(
     )
     assert said in answered(robot, "--out", tmp_path / "c")
     assert card.read_text() == was
+
+
+def test_a_card_that_is_no_text_any_more_is_said_to_be_none(tmp_path, monkeypatch):
+    for name in ("hexapod-classroom.xml", "hexapod-classroom.toml", "scene.xml"):
+        shutil.copy(FOLDER / name, tmp_path)
+    card = tmp_path / "hexapod-classroom.toml"
+
+    def readline(_):
+        if given[0] == "400":
+            card.write_bytes(b"\xe9" + card.read_bytes())
+        return f"{given.pop(0)}\n"
+
+    given = ["25", "swing_1", "+", "200", "400"]
+    answers = SimpleNamespace(readline=readline, isatty=lambda: False)
+    monkeypatch.setattr("sim.export.calibration.draw", lambda *_, **__: None)
+    monkeypatch.setattr("sys.stdin", answers)
+    robot = str(tmp_path / "hexapod-classroom.xml")
+    assert main(["calibrate", robot, "--out", str(tmp_path / "c")]) == 3
 
 
 def test_pictures_of_axes_that_were_turned_round_since_are_not_gone_on_with(

@@ -186,6 +186,8 @@ def test_a_card_that_was_changed_since_is_of_the_same_robot(tmp_path, hexapod):
     card = hexapod.card_text.replace("description = ", 'description = "new"\n# ', 1)
     (tmp_path / "new.toml").write_text(card)
     written = load(str(tmp_path / "new.xml"))
+    floor = np.flatnonzero(written.model.body_weldid[written.model.geom_bodyid] == 0)
+    written.model.geom_size[floor] += 1.0  # which is infinite, however it is drawn
     assert written.model.body_inertia.tolist() != hexapod.model.body_inertia.tolist()
     assert command._is_alike(written, hexapod)
 

@@ -71,11 +71,14 @@ def test_marks_are_thirty_degrees_away_or_at_the_end_of_the_range():
         assert first == max(stands - radians(30), low)
         assert second == min(stands + radians(30), high)
     assert radians(30) == MARK
-    own = SimpleNamespace(joint_servos={"held": JointServo(limits=(0.0, 0.3))})
+    limits = {"held": (0.0, 0.3), "aside": (-0.1, 0.0)}
+    servos = {joint: JointServo(limits=ends) for joint, ends in limits.items()}
+    own = SimpleNamespace(joint_servos=servos)
     narrow = SimpleNamespace(
         card=own, standing_angle=lambda j: 0.1, span=lambda j: (-0.1, 0.2)
     )
     assert marks(narrow, "j") == (-0.1, 0.2)
+    assert marks(narrow, "aside") == (-0.1, 0.0)
     assert marks(narrow, "held") == (0.0, 0.2)  # of the servo, which may hit a stop
 
 
