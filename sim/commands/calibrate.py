@@ -154,9 +154,7 @@ def _calibrated(
         rate, assumed = kind.command_rate, clock or description.BOARD_CLOCK
         divider = card.board_divider or pulse * description.board_divider(rate, assumed)
         for joint, servo in _found(robot, kind, known, divider, ask):
-            text = description.card_text(
-                file
-            )  # in which an owner may have written meanwhile
+            text = description.card_text(file)  # which an owner may have changed
             there = description.parse_card(text, str(file))
             taken = {one.channel for one in there.mounted.values()}
             if servo.channel in taken or joint in there.mounted:

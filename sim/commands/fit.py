@@ -147,11 +147,10 @@ def _require_alike(
 
 def _is_alike(robot: Robot, other: Robot) -> bool:
     """Whether robots have, but for rounding, all that motion depends on but servos."""
-    if robot.card.legs != other.card.legs:
-        return False
-    return all(
+    both = zip(_made(robot), _made(other), strict=True)
+    return robot.card.legs == other.card.legs and all(
         a.shape == b.shape and np.allclose(a, b, 0, ROUNDED * abs(a).max(initial=0))
-        for a, b in zip(_made(robot), _made(other), strict=True)
+        for a, b in both
     )
 
 

@@ -198,7 +198,7 @@ def tries_of(
         table = folder.path / TABLE
         if not table.is_file():
             return f"no draw is done; start again: {again(*cli.elsewhere(options.out))}"
-        done = table.read_text("utf-8").count("\n") - 1
+        done = table.read_bytes().count(b"\n") - 1
         rest = "--draw", f"{draws.start + done}", "--tries", f"{len(draws) - done}"
         on = again(*rest, *cli.elsewhere(options.out))
         return f"{done} of {len(draws)} draws are kept in {table}; go on: {on}"

@@ -200,9 +200,9 @@ def _channel(
     """The numbers of a servo that are given; its make, or a turn, gives the others."""
     reach = make.reach if make else (inf if pwm is None else pi)
     low, high = servo.limits or (servo.offset - reach, servo.offset + reach)
-    middle, counts = TURN // 2, TURN / (2 * pi)
-    if make:
-        middle, counts = make.center, 1 / make.resolution
+    middle, counts = make.center if make else TURN // 2, TURN / (2 * pi)
+    if make and (make.resolution or pwm):
+        counts = 1 / (make.resolution or 1.0)  # pulses without counts are refused
     center = middle if servo.center is None else servo.center
     channel = number if servo.channel is None else servo.channel
     counts = servo.counts_per_radian or counts

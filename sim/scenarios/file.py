@@ -245,8 +245,7 @@ def announce(old: str, new: str) -> None:
 
 def tell_of_run(source: Path, changed: Collection[str]) -> None:
     """Say whose settings a run has, of which another robot, or servo, is to walk."""
-    other = {"robot", "servo", "servo_data", "geometry"}
-    other &= {key.partition(".")[0] for key in changed}
+    other = any(key.startswith(("robot", "servo", "geometry")) for key in changed)
     if other and source.is_file() and source.with_name("summary.json").exists():
         told = "has all settings of a run, those that its robot gave as well"
         say(f"stratawalk: notice: {printable(' '.join(str(source).split()))} {told}")

@@ -52,9 +52,8 @@ def undamped_joints(robot: Robot, asked: ServoSettings) -> tuple[str, ...]:
         inertia = model.dof_M0[dof] + added.get(joint, 0.0)
         gear = model.actuator_gear[servo, 0] ** 2
         own = model.actuator_damping[servo] - model.actuator_biasprm[servo, 2]
-        stiffness, given = gear * model.actuator_gainprm[servo, 0], gear * own
-        given += model.dof_damping[dof]
-        return float(given / (2 * np.sqrt(stiffness * inertia)))
+        critical = 2 * np.sqrt(gear * model.actuator_gainprm[servo, 0] * inertia)
+        return float((gear * own + model.dof_damping[dof]) / critical)
 
     return tuple(
         joint

@@ -274,3 +274,10 @@ def test_commands_are_finite_angles_of_all_joints(rate, angles, said):
     with pytest.raises(ValueError, match=said):
         ServoCommands(JOINTS, rate, angles)
     assert isinstance(table(), ServoTable)
+
+
+def test_a_make_without_counts_has_no_pulses_and_has_angles():
+    smooth = replace(MG90, resolution=0.0)
+    with pytest.raises(UsageError, match="a count turns joint 'one' by 1 rad"):
+        table(smooth)
+    assert table(smooth, pwm=None).joints == JOINTS
