@@ -34,7 +34,7 @@ def test_a_file_is_that_of_the_package_which_is_named(tmp_path, called):
         (tmp_path / place / "foot.stl").parent.mkdir(exist_ok=True)
         (tmp_path / place / "foot.stl").touch()
     if called:
-        text = f"<package>\n  <name>{called}</name></package>"
+        text = f"<package>\n  <name> {called}\n</name></package>"
         (tmp_path / "robot" / "package.xml").write_text(text)
     other = with_packages("package://other/foot.stl", folder)
     assert other == (

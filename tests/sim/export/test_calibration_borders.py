@@ -71,7 +71,7 @@ def test_marks_are_thirty_degrees_away_or_at_the_end_of_the_range():
         assert first == max(stands - radians(30), low)
         assert second == min(stands + radians(30), high)
     assert radians(30) == MARK
-    limits = {"held": (0.0, 0.3), "aside": (-0.1, 0.0)}
+    limits = {"held": (0.0, 0.3), "aside": (-0.1, 0.0), "far": (0.9, 2.0)}
     servos = {joint: JointServo(limits=ends) for joint, ends in limits.items()}
     own = SimpleNamespace(joint_servos=servos)
     narrow = SimpleNamespace(
@@ -79,6 +79,8 @@ def test_marks_are_thirty_degrees_away_or_at_the_end_of_the_range():
     )
     assert marks(narrow, "j") == (-0.1, 0.2)
     assert marks(narrow, "aside") == (-0.1, 0.0)
+    narrow.span = lambda j: (-2.0, 2.0) if j == "far" else (-0.1, 0.2)
+    assert marks(narrow, "far") == (0.9, 0.9 + MARK)  # where it does not stand
     assert marks(narrow, "held") == (0.0, 0.2)  # of the servo, which may hit a stop
 
 

@@ -9,6 +9,8 @@ from models import ModelError, load
 from models.description import FOLDER
 from sim.scenarios.file import load_scenario
 from sim.world.model import build
+from sim.world.motors import undamped_joints
+from sim.world.servos import servo_settings
 
 SWINGS = '<position kp="1000" kv="2.81424945589" ctrlrange="-0.45 0.45"/>'
 DAMPED = '<position kp="1000" kv="2.8" damping="5 0.3"/>'
@@ -84,3 +86,17 @@ def test_rotors_of_motors_stay_on_their_joints(tmp_path):
     dof = robot.model.joint("swing_1").dofadr[0]
     found, base = (walked(load(str(one.path))).dof_M0[dof] for one in (robot, plain))
     assert found - base == pytest.approx(1e-3, rel=1e-3)
+    robot.path.write_text(spec.to_xml().replace('armature="0.0018"', ""))
+    lifts = {leg.lift for leg in robot.leg_cards}
+    assert {*load(str(robot.path)).joints_without_rotor} == lifts
+
+
+@pytest.mark.parametrize("law", [GEARED, GEARED.replace('kv="0.028"', 'kv="0"')])
+def test_a_servo_behind_a_gear_is_damped_as_its_equal_on_the_joint(tmp_path, law):
+    """By its own damping or that of its gears; a gear of 10 multiplies it by 100."""
+    robot = with_swings(tmp_path, law)
+    settings = servo_settings(load_scenario("line"), robot.card)
+    assert undamped_joints(robot, settings) == ()
+    weak = law.replace('damping="0.05 3e-4"', "").replace("0.028", "0.00001")
+    loose = undamped_joints(with_swings(tmp_path, weak), settings)
+    assert {*robot.swing_joints} <= {*loose}
