@@ -81,9 +81,9 @@ PARTS = {
         ['<joint axis="0 -1 0"', '<joint damping="-5" axis="0 -1 0"'],
         "leg 1: .*joint 'lift_1' has damping = -5; give it 0 to 1e6",
     ),
-    "a joint has armature = -5": (
-        ['armature="0.0018"', 'armature="-5"'],
-        "leg 1: .*joint 'swing_1' has armature = -5; give it 0 to 1e6",
+    "a joint has armature = -1e-4": (
+        ['armature="0.0018"', 'armature="-1e-4"'],
+        "leg 1: .*joint 'swing_1' has armature = -0.0001; give it 0 to 1e6",
     ),
     "a joint has frictionloss = -5": (
         ['<joint axis="0 -1 0"', '<joint frictionloss="-5" axis="0 -1 0"'],
