@@ -19,7 +19,7 @@ def is_position_servo(gain: Array, bias: Array, bias_type: int) -> bool:
     """
     if bias_type != mujoco.mjtBias.mjBIAS_AFFINE or gain[1:3].any():
         return False
-    return bool(gain[0] > 0 and abs(bias[1] + gain[0]) <= 1e-5 * gain[0])  # as in text
+    return bool(gain[0] > 0 and abs(bias[1] + gain[0]) <= 1e-5 * gain[0])  # rounded
 
 
 def actuators_of(model: mujoco.MjModel, joint: str) -> list[int]:

@@ -29,7 +29,7 @@ FAR = 5.0  # [m], 20 times the reach of shipped robots; others may mean millimet
 
 
 def scenario_of(options: argparse.Namespace, stops: bool = False) -> "Scenario":
-    """The scenario asked for, which `stops`, or does if it replans; UsageError."""
+    """The scenario asked for, or UsageError; with `stops`, be it replanned or not."""
     from sim.scenarios.file import load_scenario, shipped_scenarios, tell_of_run
 
     source = options.scenario
