@@ -79,20 +79,7 @@ def draft_card(source: Source) -> Draft:
     key = start_key(model)
     start = model.qpos0 if key is None else model.key_qpos[key]
     pose = anatomy.Pose.at(model, root_body(model, source.given), start)
-    guesses = [*source.notes]
-    limbs = anatomy.find_limbs(pose, name)
-    if angles := _mid_range(pose, limbs):
-        pose.turn(angles)
-        limbs = anatomy.find_limbs(pose, name)
-        guesses.append(guess("middle", joint=min(angles), more=len(angles) - 1))
-    if not anatomy.stands(pose, limbs):
-        angles |= anatomy.standing_angles(pose, limbs, name)
-        pose.turn(angles)
-        guesses.append(guess("bent"))
-    if _depth(pose, limbs) > DEEPEST:
-        angles |= (spread := _spread(pose, limbs))
-        guesses.append(guess("spread" if spread else "jammed"))
-    angles |= _level(pose, limbs)
+    angles, turned = _posture(pose, name)
     limbs = _numbered(anatomy.find_limbs(pose, name))
     way = _gait(pose, limbs, name)
     gait = rowing(limbs, way) if isinstance(way, Crawl) else alternating(limbs, way)
@@ -110,8 +97,8 @@ def draft_card(source: Source) -> Draft:
     servo = None if all(found.values()) else suited
     rest = sum(len(limb.hold) for limb in limbs)
     held = f"; {rest} more are held" if rest else ""
-    guesses.append(guess("legs", count=len(limbs), held=held))
-    guesses += gait.guesses
+    legs = guess("legs", count=len(limbs), held=held)
+    guesses = [*source.notes, *turned, legs, *gait.guesses]
     if servo is not None:
         guesses.append(guess("servos", servo=servo))
     if soft := [j for j in joints if 0 < found[j] < SOFT_SHARE * suited.stiffness]:
@@ -126,6 +113,26 @@ def draft_card(source: Source) -> Draft:
         raise refusal("at_the_end", name, joint=low)
     card = card_text(pose, limbs, gait, angles, servo)
     return Draft(card, tuple(guesses), limbs, gait)
+
+
+def _posture(pose: anatomy.Pose, file: str) -> tuple[dict[str, float], list[str]]:
+    """Angles [rad] of joints that were turned for the robot to stand, and why.
+
+    The pose is moved.
+    """
+    notes, limbs = [], anatomy.find_limbs(pose, file)
+    if angles := _mid_range(pose, limbs):
+        pose.turn(angles)
+        limbs = anatomy.find_limbs(pose, file)
+        notes.append(guess("middle", joint=min(angles), more=len(angles) - 1))
+    if not anatomy.stands(pose, limbs):
+        angles |= anatomy.standing_angles(pose, limbs, file)
+        pose.turn(angles)
+        notes.append(guess("bent"))
+    if _depth(pose, limbs) > DEEPEST:
+        angles |= (spread := _spread(pose, limbs))
+        notes.append(guess("spread" if spread else "jammed"))
+    return angles | _level(pose, limbs), notes
 
 
 def _mid_range(pose: anatomy.Pose, limbs: Sequence[anatomy.Limb]) -> dict[str, float]:

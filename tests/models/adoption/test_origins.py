@@ -5,7 +5,8 @@ from xml.etree import ElementTree as ET
 import pytest
 
 from models import ModelError
-from models.adoption.source import _parsed, _place, source_of
+from models.adoption.source import source_of
+from models.adoption.urdf import _parsed, _place
 from scripts.adoptees import ADOPTEES
 
 

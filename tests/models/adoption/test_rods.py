@@ -8,8 +8,7 @@ import pytest
 
 from models import Kinematics, load
 from models.adoption.anatomy import servo_for
-from models.adoption.packages import with_packages
-from models.adoption.source import _add
+from models.adoption.urdf import _add, with_packages
 
 
 @pytest.mark.parametrize(("above", "found"), [(1, True), (4, True), (5, False)])
