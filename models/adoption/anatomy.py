@@ -79,10 +79,10 @@ class Pose:
         """Centre of mass, shape (3,)."""
         return np.array(self.data.subtree_com[self.root])
 
-    def bottom(self, geom: int) -> Array:
-        """Lowest point of a geom, shape (3,)."""
-        name = self.model.geom(geom).name
-        return find_sole(self.model, self.data, [name]).touch(self.data)
+    def bottom(self, *geoms: int) -> Array:
+        """Lowest point of geoms, shape (3,)."""
+        names = [self.model.geom(geom).name for geom in geoms]
+        return find_sole(self.model, self.data, names).touch(self.data)
 
     def solid(self) -> list[int]:
         """Geoms that can touch something, and all those of the body."""
@@ -152,9 +152,9 @@ CLEARANCE = 0.3  # of a leg's reach, that the body is wanted above the floor
 
 def stands(pose: Pose, limbs: Sequence[Limb]) -> bool:
     """Whether the feet are on one plane, and nothing else is as low."""
-    feet = [pose.model.geom(limb.foot).id for limb in limbs]
-    *across, height = np.array([pose.bottom(foot) for foot in feet]).T
-    others = [pose.bottom(g)[2] for g in pose.solid() if g not in feet]
+    soles = [[pose.model.geom(name).id for name in limb.soles] for limb in limbs]
+    *across, height = np.array([pose.bottom(*sole) for sole in soles]).T
+    others = [pose.bottom(g)[2] for g in {*pose.solid()}.difference(*soles)]
     flat = np.ptp(height) <= UNEVEN_FEET * np.ptp(across, axis=1).max()
     return bool(flat and min(others, default=np.inf) > height.max())
 

@@ -95,8 +95,7 @@ def finish(figure: "Figure", heading: str, keys: list[Key], note: str = "") -> D
     body = re.sub(r"<metadata>.*?</metadata>", "", body, flags=re.DOTALL)
     body = re.sub(rf' id="({BAND}|{DETAIL})"', r' class="\1"', body)
     body = IDS.sub("", body)
-    label = f'role="img" aria-label="{heading}"'
-    body = HEAD.sub(rf'<svg viewBox="\1" xmlns:xlink="{XLINK}" {label}>', body, count=1)
+    body = HEAD.sub(rf'<svg viewBox="\1" xmlns:xlink="{XLINK}">', body, count=1)
     return Drawing(re.sub(r"\n\s*", "\n", body), heading, keys, note, box)
 
 

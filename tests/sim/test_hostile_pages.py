@@ -103,7 +103,8 @@ def studied(tmp_path):
 def test_names_add_no_element_to_the_page_of_a_study(studied):
     texts = [name for name in NAMES if "\ud800" not in name][:40]
     plain = studied("robot", [f"robot_{number}" for number in range(len(texts))])
-    for key in ("<script>alert(1)", "$\\nosuch$"):
+    image = 'x"><img src=q onerror="alert(1)">'
+    for key in ("<script>alert(1)", image, 'x" a="', "$\\nosuch$", "\\9"):
         hostile = studied(key, [*texts, "$\\nosuch$", "$x_{$"])
         added = set(elements(hostile)) - set(elements(plain))
         assert added <= {("text", 2), ("wbr", 0)}  # other ways to place a label

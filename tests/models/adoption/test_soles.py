@@ -30,3 +30,19 @@ def test_what_is_as_low_as_a_foot_on_its_body_is_foot_as_well(tmp_path, apart):
     robot = load(str(tmp_path / "mine.xml"))
     assert robot.card.legs[1].foot == soles[0]
     check_posture(robot)
+
+
+def test_a_robot_with_two_soles_a_leg_stays_as_it_stands(tmp_path):
+    spec = load("hexapod").read()
+    for number in range(1, 7):
+        foot = spec.geom(f"foot_{number}")
+        foot.parent.add_geom(
+            name=f"heel_{number}", type=foot.type, size=foot.size, mass=0.001,
+            pos=foot.pos + [0.0, 0.015, 0.0], contype=1, conaffinity=foot.conaffinity,
+        )  # fmt: skip
+    spec.compile()
+    (tmp_path / "mine.xml").write_text(spec.to_xml())
+    drafted = draft_card(source_of(str(tmp_path / "mine.xml")))
+    assert {len(limb.soles) for limb in drafted.limbs} == {2}
+    bent = [guess for guess in drafted.guesses if "knees were bent" in guess]
+    assert not bent
