@@ -3,6 +3,7 @@
 A point is judged by the farthest that the walk came from it, as a share of its path.
 """
 
+import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -24,6 +25,7 @@ from sim.sweeps.file import MOST_KEYS
 from sim.sweeps.folder import SIDE_BY_SIDE, SweepFolder
 from sim.sweeps.table import read_table
 
+KEY = re.compile(r"[\w.]{1,60}", re.ASCII)  # of a setting, in names of files, too
 LIMITS = (0.01, 0.03, 0.10)  # shares of the path within which predictions hold
 MOST = 1e12  # in any number of a table
 MOST_GIVEN = 3 * 10**6  # values of settings that vary, which take half a minute
@@ -129,7 +131,7 @@ def read_results(path: Path, prediction: str = "") -> Results:
     asked = {name: part for name, part in parts if isinstance(part, dict)}
     known = asked.get("vary", {})
     keys = tuple(dict.fromkeys(k for names in known for k in names.split(SIDE_BY_SIDE)))
-    strange = [key for key in keys if "/" in key or not key.isprintable()]
+    strange = [key for key in keys if not KEY.fullmatch(key)]
     lacking = [key for key in (*keys, "point", "status") if key not in columns]
     if "vary" not in asked or strange or lacking:
         what = ", ".join(["it does not say what varies", *strange, *lacking])

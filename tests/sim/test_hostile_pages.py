@@ -9,9 +9,10 @@ import pytest
 from models.description import is_plain
 from sim.cli import main
 from sim.reports import comparison, page
+from sim.reports.drawing import Drawing
 from sim.runs.run import read_run
 from sim.sweeps.table import write_table
-from sim.templates import render
+from sim.templates import render, template
 from sim.viewing.replay import _explained
 from tests.browser import ask_all
 from tests.finished_runs import phase
@@ -103,11 +104,27 @@ def studied(tmp_path):
 def test_names_add_no_element_to_the_page_of_a_study(studied):
     texts = [name for name in NAMES if "\ud800" not in name][:40]
     plain = studied("robot", [f"robot_{number}" for number in range(len(texts))])
+    hostile = studied("robot", [*texts, "$\\nosuch$", "$x_{$"])
+    added = set(elements(hostile)) - set(elements(plain))
+    assert added <= {("text", 2), ("wbr", 0)}  # other ways to place a label
+
+
+@pytest.mark.parametrize(
+    "key", ["<script>alert(1)", 'x"><img src=q onerror="alert(1)">', "k" * 61, "a/b"]
+)
+def test_what_no_setting_is_called_varies_in_no_table(studied, key, capsys):
+    with pytest.raises(AssertionError):
+        studied(key, ["a", "b", "c"])
+    assert f"it does not say what varies, {key}" in capsys.readouterr().err
+
+
+def test_headings_add_no_element_to_a_drawing():
+    def drawn(heading):
+        macro = template("parts.html").module.drawing
+        return elements(macro(Drawing("<svg></svg>", heading, [])))
+
     image = 'x"><img src=q onerror="alert(1)">'
-    for key in ("<script>alert(1)", image, 'x" a="', "$\\nosuch$", "\\9"):
-        hostile = studied(key, [*texts, "$\\nosuch$", "$x_{$"])
-        added = set(elements(hostile)) - set(elements(plain))
-        assert added <= {("text", 2), ("wbr", 0)}  # other ways to place a label
+    assert drawn(image) == drawn("plain")
 
 
 def test_statuses_add_no_element_to_the_page_of_a_study(tmp_path):
