@@ -100,6 +100,8 @@ def posed(
             i, j = np.unravel_index(place, worth.shape)
             found = first[i], second[j]
             moved = sides[0].in_step(found[0]), sides[1].in_step(found[1])
+            gap, left = (np.linalg.norm(a.pivot - b.pivot) for a, b in (found, moved))
+            moved = moved if left > gap / 2 else found  # or it cannot go sideways
             after = [np.concatenate([a.feet, b.feet]) for a, b in (found, moved)]
             if min(pdist(places).min() for places in after) > least:
                 return moved

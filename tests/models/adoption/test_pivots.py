@@ -8,6 +8,7 @@ from models.adoption.source import source_of
 from models.contact.kinematics import Kinematics
 from models.contact.loads import static_loads
 from models.library import load
+from models.motion.robot_equations import equations, mobility_of
 from scripts.adoptees import ADOPTEES
 
 
@@ -51,3 +52,26 @@ def test_equally_good_pivots_are_chosen_alike_however_a_processor_rounds(
 
     monkeypatch.setattr(groups, "_worth", rounded)
     assert [draft_card(source).card for _ in range(3)] == [found] * 3
+
+
+ROUND = """
+<mujoco><worldbody><body name="b" pos="0 0 .1"><freejoint/>
+ <geom type="cylinder" size=".1 .015" mass="1"/>
+ <replicate count="6" euler="0 0 60"><frame pos=".1 0 0" euler="0 0 20">
+  <body name="coxa"><joint name="hip" range="-40 40"/>
+   <geom type="capsule" fromto="0 0 0 .03 0 0" size=".008" mass=".02"/>
+   <body name="femur" pos=".03 0 0"><joint name="knee" axis="0 -1 0" range="-30 50"/>
+    <geom type="capsule" fromto="0 0 0 .05 0 .02" size=".007" mass=".02"/>
+    <geom name="foot" type="sphere" pos=".12 0 -.07" size=".01" mass=".01"/>
+   </body></body></frame></replicate></body></worldbody></mujoco>
+"""
+
+
+def test_pivots_that_legs_in_step_would_bring_together_stay_apart(tmp_path):
+    """Equal legs around a body, turned aside, whose gains are all nearly 1."""
+    path = tmp_path / "round.xml"
+    path.write_text(ROUND)
+    drafted = draft_card(source_of(str(path)))
+    path.with_suffix(".toml").write_text(drafted.card)
+    robot = load(str(path))
+    assert mobility_of(robot, equations(robot)).lacking == ()
