@@ -94,7 +94,7 @@ def _lowest_core(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> Core:
     if kind == Geom.mjGEOM_CYLINDER:
         across = np.append(down[:2], 0.0)
         length = float(np.linalg.norm(across))
-        return Core(_ends(size) + across * (size[0] / length if length > 1e-6 else 0.0))
+        return Core(_ends(size) + across * (size[0] / length if length > 1e-5 else 0.0))
     if kind == Geom.mjGEOM_ELLIPSOID:
         return Core((size**2 * down / np.linalg.norm(size * down))[None])
     if (core := covering_core(model, geom)) is not None:

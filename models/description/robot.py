@@ -160,6 +160,7 @@ class Robot:
         for text in [text for text in spec.texts if text.name == EMBEDDED]:
             spec.delete(text)
         compiled.named(spec)
+        compiled.lean_cylinders(spec)
         return spec
 
     @cached_property
