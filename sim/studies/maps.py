@@ -19,7 +19,7 @@ import numpy as np
 from markupsafe import Markup
 
 from sim.errors import UsageError
-from sim.figures.style import STYLE, sheet_of
+from sim.figures.style import STYLE, plain_decades, sheet_of
 from sim.folder import whole
 from sim.palette import FAINT, OUTCOMES, Colour
 from sim.reports.drawing import finish
@@ -195,17 +195,13 @@ def _shades(results: Results) -> list[Colour]:
 
 
 def _draw_curve(axes: "Axes", results: Results, key: str) -> None:
-    from matplotlib.ticker import LogLocator
-
     x = _place(axes, results, key, "x")
     share = 100 * np.maximum(np.nan_to_num(results.off, nan=1.0), SMALLEST_SHARE)
     shades = _shades(results)
     colours = [shades[found].hex for found in results.classes]
     axes.scatter(x, share, s=12, c=colours, linewidths=0)
     axes.set_yscale("log")
-    axes.yaxis.set_major_formatter("{x:g}")
-    axes.yaxis.set_minor_formatter("")
-    axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    plain_decades(axes.yaxis)
     for limit in results.limits:
         axes.axhline(100 * limit, color=FAINT.hex, linewidth=0.6)
     axes.set_ylabel("farthest, % of the path")

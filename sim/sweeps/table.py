@@ -22,7 +22,8 @@ GROUP_ROWS = 10_000  # any other number gives other bytes
 UNPACKED = 5 * 10**8  # bytes of a table that is read, with all that it repeats once
 TEXT = 4  # times as much memory is taken by a byte of text besides
 HEAD = 365  # bytes of a column without values
-MOST_VALUES, MOST_ROWS = 4 * 10**7, 200_000  # of 8 legs there are 144,088 designs
+MOST_VALUES = 15 * 10**6  # of a gigabyte once read: 50,000 points, 300 columns
+MOST_ROWS = 200_000  # of 8 legs there are 144,088 designs
 MEMORY = 10**9  # bytes of addresses that reading one may take, beside those reserved
 ABOUT = "stratawalk"  # key of the metadata
 SEAL = b"seal of this table: "
@@ -89,7 +90,7 @@ def read_table(path: Path) -> tuple[dict[str, list[object]], dict[str, Any]]:
         about = json.loads((table.schema.metadata or {}).get(ABOUT.encode(), "null"))
         columns = {name: _values(table[name]) for name in table.column_names}
     except (pa.ArrowException, OSError, MemoryError, *UNREADABLE) as error:
-        why = str(error).partition(". ")[0]
+        why = str(error).partition(". ")[0] or "it takes more memory than there is"
         if isinstance(error, pa.ArrowException | OSError):
             damaged = "it is damaged, or no Parquet file"
             why = getattr(error, "strerror", None) or damaged

@@ -91,8 +91,8 @@ FOREIGN = {
         "int64> are none of a sweep",
     ),
     "too many values": (
-        foreign({str(i): pa.nulls(10**5) for i in range(401)}),
-        "100000 x 401 values with ",
+        foreign({str(i): pa.nulls(10**5) for i in range(151)}),
+        "100000 x 151 values with ",
     ),
     "a thousand times its size": (
         foreign({"x": ["x" * 3 * 10**5]}),
@@ -143,3 +143,16 @@ def test_settings_of_a_table_are_as_many_as_are_studied_in_half_a_minute(
         monkeypatch.setattr(results, "MOST_GIVEN", most)
         assert main(["study", str(path), "--out", str(tmp_path / "maps")]) == code
     assert "3 values of settings that vary, where 2 are read" in capsys.readouterr().err
+
+
+def test_a_table_that_takes_more_memory_than_there_is_says_so(
+    tmp_path, capsys, monkeypatch
+):
+    def full(column):
+        raise MemoryError
+
+    path = tmp_path / "table.parquet"
+    foreign(column("friction"))(path)
+    monkeypatch.setattr(table, "_values", full)
+    assert main(["study", str(path), "--out", str(tmp_path / "maps")]) == 2
+    assert "it takes more memory than there is" in capsys.readouterr().err
