@@ -43,8 +43,13 @@ mujoco.set_mju_user_warning(lambda text: None)
 
 
 def check_text(path: Path) -> None:
-    """Refuse a number outside comments that is not finite, and text not in UTF-8."""
+    """Refuse a number outside comments that is not finite, and text not in UTF-8.
+
+    Text is what has elements as far as the engine reads it, whatever comes before.
+    """
     text = path.read_bytes().decode(errors="surrogateescape")
+    if not TAG.search(text.partition("\0")[0]):
+        return
     text = COMMENT.sub(lambda comment: "\n" * comment[0].count("\n"), text)
     if odd := re.search("[\udc80-\udcff]", text):  # bytes that are not UTF-8
         byte, line = ord(odd[0]) - 0xDC00, text.count("\n", 0, odd.start()) + 1

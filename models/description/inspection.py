@@ -193,8 +193,7 @@ def examine(path: Path) -> list[Path]:
     """The files that a model opens, itself included, once it has been compiled."""
     texts = included(path)
     for text in texts:
-        if text.read_bytes()[:100].lstrip(b"\xef\xbb\xbf\r\n\t ").startswith(b"<"):
-            check_text(text)
+        check_text(text)
     model = compile_model(read_spec(path), str(path))
     if model.nflex:
         raise refusal("flexes", path, count=model.nflex)

@@ -147,7 +147,8 @@ class Drive:
             angle = most / lifted * setup.limits.lift_angle
             slower["lift_height"] = setup.kinematics.rise(angle).min()
         sets = [f"--set {name}={floor(1e3 * x) / 1e3:g}" for name, x in slower.items()]
-        facts = {"servo": self._servo.name, "counts": counts, "asked": " ".join(sets)}
+        asked = "" if setup.motion else f", or {' '.join(sets)}"
+        facts = {"servo": self._servo.name, "counts": counts, "asked": asked}
         facts |= {"speed": speeds.max(), "set_to": counts * kind.resolution}
         raise UsageError(*_message("fast", most=most, **facts))
 

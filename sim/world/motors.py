@@ -64,9 +64,16 @@ def undamped_joints(robot: Robot, asked: ServoSettings) -> tuple[str, ...]:
 
 
 def ensure_motors(spec: mujoco.MjSpec, robot: Robot, asked: ServoSettings) -> None:
-    """Give leg joints the armature, and their servos damping and limits, they lack."""
-    for joint, inertia in added_rotors(robot, asked).items():
-        spec.joint(joint).armature = inertia
+    """Give leg joints the armature, and their servos damping and limits, they lack.
+
+    Springs that are given by time constants stay what they are without it.
+    """
+    for name, inertia in added_rotors(robot, asked).items():
+        joint, own = spec.joint(name), robot.model.joint(name)
+        joint.armature = inertia
+        if any(joint.springdamper):
+            joint.stiffness[0], joint.damping[0] = own.stiffness[0], own.damping[0]
+            joint.springdamper[:] = 0
     undamped = undamped_joints(robot, asked)
     for servo in spec.actuators:
         if servo.trntype in ON_JOINT and servo.target in undamped:

@@ -4,6 +4,7 @@ import mujoco
 import pytest
 
 from models.description.compiled import check_text, compile_model
+from models.description.inspection import inspect_model
 from models.errors import ModelError
 
 MODEL = """<mujoco>
@@ -47,6 +48,23 @@ def test_text_with_a_number_that_is_none_is_refused(tmp_path, part, said, messag
         check_text(path)
     assert "mine.xml" in str(refusal.value)
     assert "\n" not in str(refusal.value)
+
+
+@pytest.mark.parametrize("before", [" " * 200, "\n" * 10**4, "words\x0b", "\ufeff" * 2])
+def test_what_stands_before_its_elements_hides_no_number(tmp_path, before):
+    path = tmp_path / "mine.xml"
+    path.write_text(before + text(geom='mass="nan"'))
+    with pytest.raises(ModelError, match="mass of <geom> 'g'"):
+        check_text(path)
+    path.write_bytes((before + text(geom='user="\xe9"')).encode("latin-1", "replace"))
+    with pytest.raises(ModelError, match="byte 0xe9 is no text in UTF-8"):
+        inspect_model(path)
+
+
+def test_a_drawing_that_is_no_text_is_not_read_as_one(tmp_path):
+    path = tmp_path / "foot.stl"
+    path.write_bytes(b"\x89solid\0\xe9" + text(geom='mass="nan"').encode())
+    check_text(path)
 
 
 @pytest.mark.parametrize("name", ["inf", "NaN", "Infinity"])

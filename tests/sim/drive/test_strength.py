@@ -2,6 +2,7 @@
 
 import re
 from contextlib import nullcontext
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -124,6 +125,16 @@ def test_slower_motion_that_is_advised_is_slow_enough_at_once(scenario, fast, ad
     assert [name for name, _ in named] == advised
     slower = {name: float(value) for name, value in named}
     require_strength(prepare(scenario(**sts | slower)))
+
+
+def test_motion_from_elsewhere_is_not_advised_to_be_planned_otherwise(scenario):
+    setup = prepare(scenario(robot="hexapod-classroom", servo="sts3215"))
+    played = replace(setup, motion=object())
+    with pytest.raises(UsageError, match="are delivered go at 0.61") as refusal:
+        require_strength(played)
+    assert re.fullmatch(
+        r"write \d+ into .* --set servo_data.profile_speed=[\d.]+", refusal.value.remedy
+    )
 
 
 def require_strength(setup):

@@ -141,3 +141,19 @@ def test_servos_of_tendons_and_of_other_joints_keep_their_limits(monkeypatch, he
     motors.ensure_motors(spec, hexapod, None)
     assert taken == servos[:1]
     assert [servo.biasprm[2] for servo in servos] == [motors.CRITICAL, 0, 0]
+
+
+def test_springs_given_by_time_constants_stay_what_they_are_without_a_rotor(
+    tmp_path, scenario
+):
+    path = owners.handmade(tmp_path)
+    path.write_text(
+        path.read_text().replace('name="k1"', 'name="k1" springdamper="1 1"')
+    )
+    robot = owned(lambda folder: path, tmp_path)
+    own = robot.model.joint("k1")
+    assert own.armature == 0 < own.stiffness[0]
+    walked = prepare(scenario(), robot).model.joint("k1")
+    assert walked.armature > 0
+    assert walked.stiffness == pytest.approx(own.stiffness, rel=1e-5)  # as text
+    assert walked.damping == pytest.approx(own.damping, rel=1e-5)
