@@ -7,7 +7,7 @@ from pathlib import Path
 import mujoco
 
 from models.adoption.urdf import mjcf_of
-from models.description.compiled import read_spec
+from models.description.compiled import one_line, read_spec
 from models.description.inspection import inspect_model
 from models.errors import UnknownRobotError, message
 from planner.support import read_file
@@ -40,7 +40,8 @@ class Source:
         """A fresh, editable copy of the MJCF."""
         if self.text is None:
             return read_spec(self.path)
-        spec = mujoco.MjSpec.from_string(self.text)
+        with one_line(f"cannot be written as MJCF: {self.given}"):
+            spec = mujoco.MjSpec.from_string(self.text)
         spec.meshdir = str(self.path.parent / spec.meshdir)
         return spec
 

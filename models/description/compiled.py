@@ -1,10 +1,9 @@
 """Compilation of MJCF with errors of one line, its checks, and look-ups in the result.
 
 Names and numbers are checked in the text and after compilation: the compiler accepts
-most NaN and infinity, replaces some by defaults, and takes text that is not UTF-8.
+most infinite numbers, replaces NaN by defaults, and takes text that is not UTF-8.
 """
 
-import html
 import math
 import re
 import warnings
@@ -38,8 +37,9 @@ WORDS = {"jnt": "joint", "tex": "texture", "cam": "camera", "mat": "material"}
 
 refusal = refusals("models", "refusals.toml")
 
-# What the engine warns of is counted by its data, and would be written to a file here.
-mujoco.set_mju_user_warning(lambda text: None)
+NONE = list[str]()  # warnings of numbers that are none, in the file that is read
+# Others are counted by the engine's data, and would be written to a file here.
+mujoco.set_mju_user_warning(lambda text: NONE.extend([text] * ("'NaN'" in text)))
 
 
 def check_text(path: Path) -> None:
@@ -56,7 +56,7 @@ def check_text(path: Path) -> None:
         raise refusal("encoding", path, byte=byte, line=line)
     for tag in TAG.finditer(text):
         found = ATTRIBUTE.findall(tag[2])
-        attributes = {name: html.unescape(value[1:-1]) for name, value in found}
+        attributes = {name: value[1:-1] for name, value in found}
         own = attributes.get("name")
         element = f"<{tag[1]}> {own!r}" if own else f"<{tag[1]}>"
         for name, value in attributes.items():
@@ -209,8 +209,12 @@ def silence_the_engine() -> None:
 def read_spec(path: Path) -> mujoco.MjSpec:
     """A fresh, editable copy of an MJCF file."""
     silence_the_engine()
+    NONE.clear()
     with one_line(f"not a usable {_language(str(path))} file: {path}"):
-        return mujoco.MjSpec.from_file(str(path))
+        spec = mujoco.MjSpec.from_file(str(path))
+    if NONE:  # however it is written
+        raise refusal("nan", path)
+    return spec
 
 
 def named(spec: mujoco.MjSpec) -> None:

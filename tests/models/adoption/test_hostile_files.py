@@ -290,3 +290,9 @@ def test_a_urdf_that_grows_without_end_is_refused_in_time(urdf, alone):
     path.write_text(f'<robot name="r">{links}{joints}</robot>')
     with pytest.raises(ModelError, match="too large: .*more than 8 s or 2 GB"):
         source_of(str(path))
+
+
+def test_a_number_that_is_none_is_refused_in_a_urdf_as_well(urdf):
+    path = urdf("near.obj", origin='<origin xyz="0 nan(1) 0"/>')
+    with pytest.raises(ModelError, match="a number is NaN.*mine.urdf; correct it"):
+        source_of(str(path))

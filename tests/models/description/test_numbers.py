@@ -31,7 +31,6 @@ PLACES = {
     "springref": ("joint", 'springref="1e999"', "springref of <joint> 'j'"),
     "camera": ("camera", 'fovy="nan"', "fovy of <camera> 'nan'"),
     "keyframe": ("key", 'time="-inf"', "time of <key> 'k'"),
-    "in disguise": ("geom", 'mass="&#110;an"', "mass of <geom> 'g'"),
 }
 
 
@@ -59,6 +58,31 @@ def test_what_stands_before_its_elements_hides_no_number(tmp_path, before):
     path.write_bytes((before + text(geom='user="\xe9"')).encode("latin-1", "replace"))
     with pytest.raises(ModelError, match="byte 0xe9 is no text in UTF-8"):
         inspect_model(path)
+
+
+DISGUISES = {
+    "an entity": '<geom size="1" mass="&#110;an"/>',
+    "a payload, as in C": '<geom size="1" mass="nan(1)"/>',
+    "a blank in the tag": '< geom size="1" mass="nan"/>',
+    "sections that begin a comment": (
+        '<![CDATA[<!--]]><geom size="1" mass="nan"/><![CDATA[-->]]>'
+    ),
+    "names that begin a comment": (
+        '<site name="<!--"/><geom size="1" mass="nan"/><site name="-->"/>'
+    ),
+}
+
+
+@pytest.mark.parametrize("said", DISGUISES.values(), ids=DISGUISES)
+def test_a_number_that_is_none_is_refused_however_it_is_written(tmp_path, said):
+    path = tmp_path / "mine.xml"
+    path.write_text(f"<mujoco><worldbody>{said}</worldbody></mujoco>")
+    with pytest.raises(ModelError, match="a number is NaN.*mine.xml; correct it"):
+        inspect_model(path)
+    path.write_text(
+        '<mujoco><worldbody><geom name="nan" size="1"/></worldbody></mujoco>'
+    )
+    inspect_model(path)
 
 
 def test_a_drawing_that_is_no_text_is_not_read_as_one(tmp_path):
