@@ -51,6 +51,7 @@ class Estimates:
     value: Array  # (P, K)
     information: Array  # of the measurements alone, (P, K, K)
     noise: Array  # standard deviation of what is left over, (P,)
+    reach: Array | float = 0.0  # to others that fit as well, (P, K)
 
     @property
     def spread(self) -> Array:
@@ -67,7 +68,7 @@ class Estimates:
         """Standard errors, (P, K)."""
         strength, directions = self._strength
         left = directions**2 / (1 + strength)[:, None]
-        return np.asarray(self.spread * np.sqrt(left.sum(axis=-1)))
+        return np.hypot(self.spread * np.sqrt(left.sum(axis=-1)), self.reach)
 
     @cached_property
     def _strength(self) -> tuple[Array, Array]:

@@ -113,7 +113,7 @@ def fit_joints(setup: Setup, logs: Sequence[Log], walking: bool) -> JointFit:
             model = _fitted_model(setup, logs[0], whole)
         else:
             told = [(c, *_rows(log, False)) for c, log in pairs]
-            make, own, whole = shared_make(told, start, each)
+            each, make, own, whole = shared_make(told, start, each)
     ends = ([_missed(*pair, servo) for pair in pairs] for servo in (start, whole))
     before, after = (np.sqrt(np.mean(end, axis=0)) for end in ends)
     if (lost := np.isfinite(before) & ~np.isfinite(after)).any():

@@ -45,20 +45,25 @@ def one_make(each: Estimates) -> tuple[Estimates, Estimates, Array]:
 
 def shared_make(
     told: Sequence[Told], start: Array, each: Estimates
-) -> tuple[Estimates, Estimates, Array]:
-    """What `one_make` finds, at the joints' best common make and not at their own ones.
+) -> tuple[Estimates, Estimates, Estimates, Array]:
+    """The joints, and what `one_make` finds, but at their best common make.
 
     The search begins at several stiffnesses. If some of the makes that it comes to fit
-    the logs alike, the standard errors reach from one to the other.
+    the logs alike, all standard errors are as if they reached from one to the other.
     """
     begins = _guesses(told[0][0].inertia, each)
     found = [_searched(told, start, guess) for guess in begins]
-    cost, each, whole = min(found, key=lambda one: one[0])
+    cost, there, whole = min(found, key=lambda one: one[0])
     alike = [servos[0] for other, _, servos in found if other < cost + AS_LIKELY]
-    apart = np.abs(alike - whole[0])[:, MAKE] / pooled(each, MAKE)[0].error
-    make, own = pooled(each, MAKE, 1 / max(1.0, apart[:, ALIKE].max()) ** 2)
+    apart = np.abs(alike - whole[0])[:, MAKE] / pooled(there, MAKE)[0].error
+    weight = 1 / max(1.0, apart[:, ALIKE].max()) ** 2
+    make, own = pooled(there, MAKE, weight)
     make, own = replace(make, value=whole[:1, MAKE]), replace(own, value=whole[:, OWN])
-    return make, own, whole
+    alone = np.sum([_unlikely(*one, np.stack([each.value, whole])) for one in told], 0)
+    alike = alone[1] < alone[0] + AS_LIKELY  # joints that a common servo fits as well
+    reach = np.where(alike[:, None], np.abs(whole - each.value), 0.0)
+    each = replace(each, information=weight * each.information, reach=reach)
+    return each, make, own, whole
 
 
 def _guesses(inertia: Array, each: Estimates) -> Iterator[Array]:
@@ -95,7 +100,7 @@ def _searched(
         way = np.clip(new - whole, -LONGEST_STEP, LONGEST_STEP)
         tried = np.maximum(whole + PARTS[:, None, None] * way, low)
         expected = ((tried - start) / spread)[..., MAKE] ** 2
-        costs = np.sum([_unlikely(*one, tried) for one in told], axis=0)
+        costs = np.sum([_unlikely(*one, tried).sum(axis=-1) for one in told], axis=0)
         costs += expected.mean(axis=1).sum(axis=-1) / 2
         if costs.min() > costs[0] - SETTLED:
             break
@@ -106,8 +111,8 @@ def _searched(
 def _unlikely(
     commanded: Commanded, rows: Array, measured: Array, tried: Array
 ) -> Array:
-    """The logarithm of how unlikely variants of servos are, (V, P, 6), shape (V,)."""
+    """Logarithms of how unlikely variants of servos are, (V, P, 6), shape (V, P)."""
     left = measured - commanded.answers(tried, rows)
     count = np.isfinite(measured).sum(axis=0)
     squares = np.nansum(left**2, axis=1) / np.maximum(count, 1) + LEAST_NOISE**2
-    return np.asarray((count / 2 * np.log(squares)).sum(axis=-1))
+    return np.asarray(count / 2 * np.log(squares))
