@@ -4,7 +4,6 @@ Names and numbers are checked in the text and after compilation: the compiler ac
 most infinite numbers, replaces NaN by defaults, and takes text that is not UTF-8.
 """
 
-import math
 import re
 import warnings
 from collections.abc import Iterator
@@ -22,11 +21,7 @@ from models.errors import ModelError, message, refusals
 from planner import Array
 
 COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
-TAG = re.compile(r"<([A-Za-z_][\w.-]*)((?:[^<>\"']|\"[^\"]*\"|'[^']*')*)>")
-ATTRIBUTE = re.compile(r"([\w.:-]+)\s*=\s*(\"[^\"]*\"|'[^']*')")
-PARTS = "joint|geom|body|site|mesh|material|texture|hfield|tendon|actuator|link|camera"
-TEXTS = re.compile(f"name$|class$|^(model|prefix|file|target)$|({PARTS})[12]?$")
-"""Attributes that may say "nan": they name something."""
+NAN = re.compile(r"""(?i)(?<!name)(?<!class)\s*=\s*["'][^"'<>]*\bnan\b""")
 QUATERNIONS = {int(mujoco.mjtJoint.mjJNT_FREE): 3, int(mujoco.mjtJoint.mjJNT_BALL): 0}
 """Joints with a quaternion, and where in their coordinates it begins."""
 DERIVED = re.compile("0$|^bvh_|^oct_|^geom_aabb|^geom_rbound|mass$|inertia$")
@@ -43,35 +38,19 @@ mujoco.set_mju_user_warning(lambda text: NONE.extend([text] * ("'NaN'" in text))
 
 
 def check_text(path: Path) -> None:
-    """Refuse a number outside comments that is not finite, and text not in UTF-8.
-
-    Text is what has elements as far as the engine reads it, whatever comes before.
-    """
-    text = path.read_bytes().decode(errors="surrogateescape")
-    if not TAG.search(text.partition("\0")[0]):
+    """Refuse text outside comments that is not in UTF-8; drawings have no elements."""
+    text = _commented_out(path)
+    if not re.search("<[^>]*>", text.partition("\0")[0]):  # as far as the engine reads
         return
-    text = COMMENT.sub(lambda comment: "\n" * comment[0].count("\n"), text)
     if odd := re.search("[\udc80-\udcff]", text):  # bytes that are not UTF-8
         byte, line = ord(odd[0]) - 0xDC00, text.count("\n", 0, odd.start()) + 1
         raise refusal("encoding", path, byte=byte, line=line)
-    for tag in TAG.finditer(text):
-        found = ATTRIBUTE.findall(tag[2])
-        attributes = {name: value[1:-1] for name, value in found}
-        own = attributes.get("name")
-        element = f"<{tag[1]}> {own!r}" if own else f"<{tag[1]}>"
-        for name, value in attributes.items():
-            if not TEXTS.search(name) and _is_bad(value):
-                line = text.count("\n", 0, tag.start()) + 1
-                where = {"name": name, "element": element, "line": line}
-                raise refusal("not_finite", path, value=value, **where)
 
 
-def _is_bad(value: str) -> bool:
-    """Whether a text is made of numbers, not all of them finite."""
-    try:
-        return not all([math.isfinite(float(word)) for word in value.split()])
-    except ValueError:
-        return False
+def _commented_out(path: Path) -> str:
+    """The text of a file, with empty lines for its comments."""
+    text = path.read_bytes().decode(errors="surrogateescape")
+    return COMMENT.sub(lambda comment: "\n" * comment[0].count("\n"), text)
 
 
 def check_model(model: mujoco.MjModel, source: str) -> None:
@@ -213,7 +192,9 @@ def read_spec(path: Path) -> mujoco.MjSpec:
     with one_line(f"not a usable {_language(str(path))} file: {path}"):
         spec = mujoco.MjSpec.from_file(str(path))
     if NONE:  # however it is written
-        raise refusal("nan", path)
+        there = NAN.search(text := _commented_out(path))
+        line = f", line {text.count(chr(10), 0, there.end()) + 1}" if there else ""
+        raise refusal("nan", path, line=line)
     return spec
 
 

@@ -108,7 +108,7 @@ def open_file(path: Path | str) -> BufferedReader:
 def read_file(path: Path | str, largest: int = LARGEST_TEXT) -> bytes:
     """Contents of a file that somebody else may have made, of so many bytes at most."""
     with open_file(path) as file:
-        content = file.read(largest + 1)
+        content = file.read(largest + 1) or b""  # None of what would be waited for
     if len(content) > largest:
         raise OSError(errno.EFBIG, f"larger than {largest / 1e6:g} MB", str(path))
     return content

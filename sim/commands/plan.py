@@ -13,18 +13,9 @@ import numpy as np
 
 from planner import BudgetError, Plan, RangeError, load_plan, rollout, save_plan
 from planner.support import limited
-from sim.commands import options as cli
+from sim.commands import options as cli, plan_report as told
 from sim.commands.declared import GUESSES
 from sim.commands.parsing import goal_setting
-from sim.commands.plan_report import (
-    SAMPLES,
-    Accuracy,
-    Prospect,
-    Report,
-    Steps,
-    of_system,
-    of_walk,
-)
 from sim.commands.systems import coordinates, find, is_system, refused
 from sim.errors import UsageError
 from sim.folder import new_file, require_free, whole
@@ -39,7 +30,7 @@ if TYPE_CHECKING:
 
 ARROWS = 5  # states in pictures for which one arrow is drawn
 HEADINGS = ("theta", "theta_0", "heading")  # names of coordinates that are headings
-Outcome = tuple[Plan, Report]
+Outcome = tuple[Plan, told.Report]
 BY_ELEMENTS = ("elements", "degree", "words", "replan")  # not in chained form
 
 
@@ -55,7 +46,7 @@ def plan(options: argparse.Namespace) -> None:
     elif source.endswith(".json"):
         with refused(source):
             planned = load_plan(source)
-        shown = of_system(Path(source).stem, planned)
+        shown = told.of_system(Path(source).stem, planned)
     else:
         with bar(quiet=options.json) as progress, refused(source):
             planned, shown = _system(options, progress)
@@ -79,7 +70,7 @@ def _draw(name: str, planned: Plan, path: Path) -> None:
     """
     from matplotlib.figure import Figure
 
-    way, figure = rollout(planned, SAMPLES), Figure(layout="constrained")
+    way, figure = rollout(planned, told.SAMPLES), Figure(layout="constrained")
     states, order = np.vstack([way, planned.goal]), [*range(len(way)), len(way) - 1]
     names = list(map(str, planned.system.state))
     title = f"{name}, ends {np.linalg.norm(way[-1] - planned.goal):.2g} off its goal"
@@ -133,7 +124,7 @@ def _walk(scenario: Scenario, robot: "Robot", progress: Progress) -> Outcome:
     compiled = time.perf_counter()
     with at_most(progress, "planning", scenario.plan_time):
         problem = ScenarioProblem.ready(setup, progress)
-    return _outcome(problem, partial(of_walk, problem), began, compiled, progress)
+    return _outcome(problem, partial(told.of_walk, problem), began, compiled, progress)
 
 
 def _system(options: argparse.Namespace, progress: Progress) -> Outcome:
@@ -164,13 +155,15 @@ def _system(options: argparse.Namespace, progress: Progress) -> Outcome:
                 chained=chained,
                 free=options.free or (),
             )
-    played = partial(of_system, Path(options.scenario).stem, folded=wanted.largest_fold)
+    played = partial(
+        told.of_system, Path(options.scenario).stem, folded=wanted.largest_fold
+    )
     return _outcome(problem, played, began, time.perf_counter(), progress)
 
 
 def _outcome(
     problem: Problem,
-    played: Callable[[Plan, Prospect], Report],
+    played: Callable[[Plan, told.Prospect], told.Report],
     began: float,
     compiled: float,
     progress: Progress,
@@ -191,7 +184,7 @@ def _outcome(
     if helps or not (problem.replan or searched):  # else nothing is left to say
         with stage(progress, "measuring the accuracy"), suppress(BudgetError):
             with limited(problem.plan_time):
-                both = Accuracy.of(problem, solution.plan), Steps.of(problem)
+                both = told.Accuracy.of(problem, solution.plan), told.Steps.of(problem)
             accuracy, steps = both
     found = helps, solution.fallback, timing, accuracy, steps, problem.is_exact
-    return solution.plan, played(solution.plan, Prospect(*found))
+    return solution.plan, played(solution.plan, told.Prospect(*found))

@@ -44,13 +44,15 @@ def test_a_make_is_found_within_its_errors_from_a_card_that_is_far_off(
     truth = make_of(40.0, 0.78, band)
     log, rows, seen = moving(truth, fastest)
     each = fit_servos(log, rows, seen, cards)
-    make, own, whole = shared_make([(log, rows, seen)], cards, each)
+    joints, make, own, whole = shared_make([(log, rows, seen)], cards, each)
     off = np.abs(make.value[0] - truth[0, MAKE])[ALIKE]
     assert (off < 3.5 * make.error[0, ALIKE]).all()
     assert make.error[0, 0] < 0.2  # of the logarithm, of which 1 was expected
     assert whole[:, 0] == pytest.approx(make.value[0, 0])
     apart = np.abs(own.value[:, 1] - truth[:, 4]) / own.error[:, 1]
     assert apart.max() < 4  # zeros, of which each joint has its own
+    apart = np.abs(joints.value[:, 0] - np.log(40.0)) / joints.error[:, 0]
+    assert apart.max() < 4
     alone, _, _ = one_make(each)  # around estimates of their own, which the card pulls
     assert alone.value[0, 0] - np.log(40.0) > 3.5 * alone.error[0, 0]
 
@@ -58,8 +60,25 @@ def test_a_make_is_found_within_its_errors_from_a_card_that_is_far_off(
 def test_stiffness_of_which_slow_motion_without_loads_tells_nothing_is_not_told(cards):
     log, rows, seen = moving(make_of(40.0, 0.78, 0.0), 0.5, load=0.0)
     each = fit_servos(log, rows, seen, cards)
-    make, _, _ = shared_make([(log, rows, seen)], cards, each)
+    joints, make, *_ = shared_make([(log, rows, seen)], cards, each)
     assert not make.seen[0, 0]
+    assert not joints.seen[:, 0].any()
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "damping", "fastest"), [(30, 2, 0.5), (40, 1, 1)]
+)
+def test_joints_whose_own_servos_are_a_poorer_guess_reach_to_the_common_one(
+    cards, stiffness, damping, fastest
+):
+    truth = make_of(stiffness, damping, 0.0)
+    log, rows, seen = moving(truth, fastest, load=0.05)
+    each = fit_servos(log, rows, seen, cards)
+    joints, make, *_ = shared_make([(log, rows, seen)], cards, each)
+    assert make.seen[0, 0]
+    off = np.abs(each.value[:, 0] - np.log(stiffness))
+    assert (off > 4 * each.error[:, 0]).any()
+    assert (off < 4 * joints.error[:, 0]).all()
 
 
 @pytest.mark.parametrize("damping", [0.01, 19.9, 20.0, 20.1, 1e4])
