@@ -97,8 +97,8 @@ def draft_card(source: Source) -> Draft:
     servo = None if all(found.values()) else suited
     rest = sum(len(limb.hold) for limb in limbs)
     held = f"; {rest} more are held" if rest else ""
-    legs = guess("legs", count=len(limbs), held=held)
-    guesses = [*source.notes, *turned, legs, *gait.guesses]
+    guesses = [*source.notes, *turned, guess("legs", count=len(limbs), held=held)]
+    guesses += gait.guesses
     if servo is not None:
         guesses.append(guess("servos", servo=servo))
     if soft := [j for j in joints if 0 < found[j] < SOFT_SHARE * suited.stiffness]:
@@ -116,10 +116,7 @@ def draft_card(source: Source) -> Draft:
 
 
 def _posture(pose: anatomy.Pose, file: str) -> tuple[dict[str, float], list[str]]:
-    """Angles [rad] of joints that were turned for the robot to stand, and why.
-
-    The pose is moved.
-    """
+    """Turn joints of a pose that does not stand; their angles [rad], and why."""
     notes, limbs = [], anatomy.find_limbs(pose, file)
     if angles := _mid_range(pose, limbs):
         pose.turn(angles)

@@ -28,7 +28,6 @@ from planner.support import read_file
 ROOT = "adopted_world"  # link that a URDF's base floats in
 FILE = re.compile(r"""package://([^/"']+)/([^"']+)""")
 SLOW = 2.0  # [rad/s]; legs swing at half a radian a second, and lift at one
-
 Point = tuple[float, float, float]
 
 

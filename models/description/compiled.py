@@ -216,23 +216,18 @@ def named(spec: mujoco.MjSpec) -> None:
                 part.name = name
 
 
-LEAN = 4e-6  # [rad]; the engine takes turns of up to 2e-6 for none
+LEAN = 4e-6  # [rad], far more than is rounded; turns of up to 2e-6 are taken for none
 
 
 def lean_cylinders(spec: mujoco.MjSpec) -> None:
-    """Turn cylinders a little: the engine throws those that are exactly upright.
-
-    It takes what is rounded of their axis for the way to the rim, and finds the rim as
-    deep in a plane as it is wide.
-    """
+    """Turn cylinders a little; the engine finds rims of upright ones deep in planes."""
     plain = mujoco.mjtOrientation.mjORIENTATION_QUAT
     for geom in [g for g in spec.geoms if g.type == mujoco.mjtGeom.mjGEOM_CYLINDER]:
         if np.isfinite(along := geom.fromto[3:] - geom.fromto[:3]).all():
             geom.fromto[3 + np.abs(along).argmin()] += LEAN * np.linalg.norm(along)
         if geom.alt.type != plain:
-            how = spec.compiler.degree, spec.compiler.eulerseq, geom.alt
-            geom.quat = spec.resolve_orientation(*how)
-            geom.alt.type = plain
+            units = geom.compiler.degree, geom.compiler.eulerseq
+            geom.quat, geom.alt.type = spec.resolve_orientation(*units, geom.alt), plain
         w, x, y, z = geom.quat  # where both ends are given it has no effect
         geom.quat = geom.quat + LEAN / 2 * np.array([-x, w, z, -y])
 

@@ -19,16 +19,7 @@ from typing import Any
 
 import mujoco
 
-from models.description.compiled import (
-    check_name,
-    check_quaternions,
-    check_text,
-    compile_model,
-    named,
-    one_line,
-    read_spec,
-    refusal,
-)
+from models.description import compiled
 from models.errors import ModelError
 
 NAMED = re.compile(r"""\bfile\w*\s*=\s*["']([^"']{1,200})["']""")
@@ -45,7 +36,7 @@ class Opened:
 def included(path: Path) -> list[Path]:
     """An MJCF file and the files that it includes or attaches, and may be more."""
     _refuse_pipes(path, set())
-    with one_line(f"not a usable MJCF file: {path}"):
+    with compiled.one_line(f"not a usable MJCF file: {path}"):
         named = [Path(name) for name in mujoco.mju_getXMLDependencies(str(path))]
     for other in named:
         if other.exists() and not other.is_file():  # a pipe would be waited for
@@ -134,22 +125,23 @@ def inspect_model(
     compile, have odd names or numbers that are not finite, or open files that they may
     not, where a `remedy` is named. This costs the start of a process.
     """
-    check_name(path.stem, str(path))
+    compiled.check_name(path.stem, str(path))
     if re.search(r"[\\\ud800-\udfff]", str(path.absolute())):
-        raise refusal("backslash", path.absolute())
+        raise compiled.refusal("backslash", path.absolute())
     files = {Path(file) for file in _tried(path)}
     taken = outside((files | set(others)) - {path}, path.parent)
     if taken and not allow_external:
         named = ", ".join(map(str, taken[:SHOWN]))
         more = f" and {len(taken) - SHOWN} more" if len(taken) > SHOWN else ""
-        raise refusal("outside", path, named=named + more, remedy=remedy)
+        raise compiled.refusal("outside", path, named=named + more, remedy=remedy)
     return Opened(tuple(sorted(files | {path})), tuple(taken))
 
 
 def _tried(path: Path) -> list[str]:
     """The files that a model opens, as the process that compiled it says."""
     path.open("rb").close()  # which says in time that it may not be read
-    too_large = refusal("large", path, seconds=SECONDS, gigabytes=MEMORY // 10**9)
+    gigabytes = MEMORY // 10**9
+    too_large = compiled.refusal("large", path, seconds=SECONDS, gigabytes=gigabytes)
     # No pictures, one thread, no room set aside for others, and this code whatever
     # else is installed.
     paths = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
@@ -170,7 +162,7 @@ def _tried(path: Path) -> list[str]:
         raise too_large
     lines = done.stdout.decode(errors="replace").splitlines()
     if done.returncode or not lines:
-        raise refusal("crash", path)
+        raise compiled.refusal("crash", path)
     report = json.loads(lines[-1])
     if "large" in report:
         raise too_large
@@ -193,32 +185,35 @@ def examine(path: Path) -> list[Path]:
     """The files that a model opens, itself included, once it has been compiled."""
     texts = included(path)
     for text in texts:
-        check_text(text)
-    model = compile_model(read_spec(path), str(path))
+        compiled.check_text(text)
+    model = compiled.compile_model(compiled.read_spec(path), str(path))
     if model.nflex:
-        raise refusal("flexes", path, count=model.nflex)
+        raise compiled.refusal("flexes", path, count=model.nflex)
     numbers = model.nsensordata + model.nuserdata + model.na + model.nq + model.nv
     size = mujoco.mj_sizeModel(model) + DRAWN * model.nhfielddata
     size += 8 * (STATES_KEPT * numbers + HISTORIES * model.nhistory)
     size += DENSE * model.nv**2
     if size > HANDY:
         facts = {"states": STATES_KEPT, "size": size / 1e9, "most": HANDY / 1e9}
-        raise refusal("large_states", path, **facts)
-    with one_line(f"MuJoCo cannot run the model: {path}", "too small a <size memory>?"):
+        raise compiled.refusal("large_states", path, **facts)
+    cannot = f"MuJoCo cannot run the model: {path}", "too small a <size memory>?"
+    with compiled.one_line(*cannot):
         data = mujoco.MjData(model)
         for key in [*range(model.nkey), -1]:  # -1: as the file has it
             mujoco.mj_resetDataKeyframe(model, data, key)
             mujoco.mj_step(model, data)
-    spec = read_spec(path)
-    check_quaternions(spec, model, str(path))
+    spec = compiled.read_spec(path)
+    compiled.check_quaternions(spec, model, str(path))
     files = assets(spec, model)  # compiling may drop some from a spec
     for file in sorted(files):
         if not file.is_file():
-            raise refusal("missing", path, file=file)
+            raise compiled.refusal("missing", path, file=file)
     began = time.process_time()
-    named(spec)  # as whoever reads it does, in a time that grows with the square
+    compiled.named(
+        spec
+    )  # as whoever reads it does, in a time that grows with the square
     if model.nkey > MOST_KEYS or time.process_time() - began > NAMING:
-        raise refusal("many", path, most=NAMING, keys=MOST_KEYS)
+        raise compiled.refusal("many", path, most=NAMING, keys=MOST_KEYS)
     return sorted({path, *texts, *files})
 
 

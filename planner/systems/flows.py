@@ -63,13 +63,7 @@ def require_flows(system: StratifiedSystem, flows: Sequence[Flow]) -> None:
 
 
 def merged(flows: Iterable[Flow]) -> tuple[Flow, ...]:
-    """Join consecutive flows along one field, and drop those that cancel.
-
-    Example:
-        >>> from planner.systems import Flow, merged
-        >>> merged([Flow("0", "f", 0.5), Flow("0", "f", 0.5)])
-        (Flow(stratum='0', field='f', duration=1.0),)
-    """
+    """Join consecutive flows along one field, and drop those that cancel."""
     return tuple(flow for _, flow in merged_segments([flows]))
 
 

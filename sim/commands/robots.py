@@ -8,15 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from models import (
-    Draft,
-    ModelError,
-    Source,
-    draft_card,
-    load,
-    shipped_robots,
-    source_of,
-)
+import models
 from planner.support import unfinished
 from sim.commands import options as cli
 from sim.endings import command
@@ -29,6 +21,7 @@ from sim.progress import Progress, bar, stage
 from sim.scenarios.file import load_scenario
 from sim.templates import render
 
+Adopted = tuple[models.Source, models.Draft, Setup, list[Path]]
 BUDGET = 30.0  # [s] of the processor, to adopt a robot
 
 
@@ -40,7 +33,7 @@ def robots(options: argparse.Namespace) -> None:
             found = inspected(scenario, cli.robot_of(options, scenario.robot))
         cli.report(options, found, render("robot.txt", **found))
         return
-    cards = {name: load(name).card for name in shipped_robots()}
+    cards = {name: models.load(name).card for name in models.shipped_robots()}
     facts = [
         {
             "name": name,
@@ -57,10 +50,10 @@ def robots(options: argparse.Namespace) -> None:
 
 def adopt(options: argparse.Namespace) -> None:
     """Draft the card, try whether the robot stands, and write it beside the file."""
-    if options.robot in shipped_robots() and not os.path.exists(options.robot):
+    if options.robot in models.shipped_robots() and not os.path.exists(options.robot):
         raise UsageError.of("shipped_card", options.robot, robot=options.robot)
     late = message("no_card_found", robot=options.robot, seconds=BUDGET)
-    with processor_time(BUDGET, ModelError(late)):
+    with processor_time(BUDGET, models.ModelError(late)):
         source, draft, setup, written = _adopted(options)
     found, files = facts_of(setup), [str(path) for path in written]
     path, external = source.path, setup.robot.opened.external
@@ -71,16 +64,16 @@ def adopt(options: argparse.Namespace) -> None:
     cli.report(options, facts, render("robot.txt", **found), text)
 
 
-def _adopted(options: argparse.Namespace) -> tuple[Source, Draft, Setup, list[Path]]:
+def _adopted(options: argparse.Namespace) -> Adopted:
     """What was found and what was written, which is nothing where it does not stand."""
-    source = source_of(options.robot, options.allow_external)
+    source = models.source_of(options.robot, options.allow_external)
     card, picture = source.path.with_suffix(".toml"), source.path.with_suffix(".png")
     model = [] if source.text is None else [source.path]
     taken = filter(os.path.lexists, (card, picture, *model))  # also as a link
     if names := " and ".join(map(str, taken)):
         raise UsageError.of("adopted", names)
     with cli.working(options, "finding the legs"):
-        draft = draft_card(source)
+        draft = models.draft_card(source)
     from sim.figures.mechanism import save_standing  # loads matplotlib
 
     with whole(card, new=True) as part:  # of two at once, one goes on
@@ -93,15 +86,15 @@ def _adopted(options: argparse.Namespace) -> tuple[Source, Draft, Setup, list[Pa
             with unfinished(*model):
                 with cli.working(options, "trying to stand"):
                     name = str(source.path)
-                    robot = load(name, allow_external=options.allow_external)
+                    robot = models.load(name, allow_external=options.allow_external)
                     setup = prepare(load_scenario("line", {"robot": name}), robot)
                 drawing = cli.working(options, "drawing it from above")
                 with drawing, whole(picture, new=True) as part:
                     save_standing(setup, draft.gait.pivots, part)
-    except ModelError as error:
+    except models.ModelError as error:
         drafted = f"{re.escape(str(source.path.with_suffix('')))}[.](xml|toml)"
         told = re.sub(drafted, lambda _: str(source.given), str(error))
-        raise ModelError(told) from error  # about the file that is still there
+        raise models.ModelError(told) from error  # about the file that is still there
     return source, draft, setup, [*model, card, picture]
 
 

@@ -48,8 +48,7 @@ def shared_make(
 ) -> tuple[Estimates, Estimates, Estimates, Array]:
     """The joints, and what `one_make` finds, but at their best common make.
 
-    The search begins at several stiffnesses. If some of the makes that it comes to fit
-    the logs alike, all standard errors are as if they reached from one to the other.
+    The search begins at several stiffnesses; errors reach to makes that fit alike.
     """
     begins = _guesses(told[0][0].inertia, each)
     found = [_searched(told, start, guess) for guess in begins]

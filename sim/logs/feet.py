@@ -12,16 +12,7 @@ from itertools import combinations
 import mujoco
 import numpy as np
 
-from models import Ground, Kinematics, Robot
-from models.contact import (
-    UPRIGHT,
-    Stance,
-    find_sole,
-    foot_velocities,
-    least_dissipation_twist,
-    sliding_twist,
-    static_loads,
-)
+from models import Ground, Kinematics, Robot, contact as contacts
 from planner import Array
 from sim.motion.poses import trail
 
@@ -77,7 +68,7 @@ class Posture:
         under = (shares * feet[:, three, 2]).sum(axis=2)
         lowest = np.where(inside, under, np.inf)[falls].round(9).argmin(axis=1)
         tilt, above = _seen_from_plane(feet[falls], three[lowest])
-        upright = tilt <= np.tan(UPRIGHT)
+        upright = tilt <= np.tan(contacts.UPRIGHT)
         standing[rows[falls[upright]]] = above[upright] <= self.near
 
 
@@ -86,7 +77,7 @@ def posture(robot: Robot, joints: Sequence[str], angles: Array) -> Posture:
     model, data = robot.model, mujoco.MjData(robot.model)
     data.qpos[:] = Kinematics(robot).level_qpos
     mujoco.mj_kinematics(model, data)
-    soles = [find_sole(model, data, leg.foot) for leg in robot.leg_cards]
+    soles = [contacts.find_sole(model, data, leg.foot) for leg in robot.leg_cards]
     places = [int(model.joint(joint).qposadr[0]) for joint in joints]
     dofs = [[model.joint(j).dofadr[0] for j in leg.joints] for leg in robot.leg_cards]
     root = model.body(robot.root).id
@@ -155,11 +146,13 @@ def moved(
         own, by, weight = middle[there], shift[there], center[rows]
         below = ground.under(stand)
         if stand.sum() <= 3:
-            loads = static_loads(own, weight) * below.shares
-            twist[rows] = least_dissipation_twist(own, by, loads)
+            loads = contacts.static_loads(own, weight) * below.shares
+            twist[rows] = contacts.least_dissipation_twist(own, by, loads)
             continue
-        stance = Stance(own, by, found.gives[there], found.feet[there][..., 2], weight)
-        twist[rows] = step * sliding_twist(stance, by / step, below, 1.0)[0]
-    speed = np.linalg.norm(foot_velocities(middle, shift, twist), axis=-1)
+        stance = contacts.Stance(
+            own, by, found.gives[there], found.feet[there][..., 2], weight
+        )
+        twist[rows] = step * contacts.sliding_twist(stance, by / step, below, 1.0)[0]
+    speed = np.linalg.norm(contacts.foot_velocities(middle, shift, twist), axis=-1)
     slip = np.vstack([np.zeros(on.shape[1]), np.cumsum(np.where(on, speed, 0), axis=0)])
     return trail(twist), slip

@@ -64,14 +64,11 @@ def undamped_joints(robot: Robot, asked: ServoSettings) -> tuple[str, ...]:
 
 
 def ensure_motors(spec: mujoco.MjSpec, robot: Robot, asked: ServoSettings) -> None:
-    """Give leg joints the armature, and their servos damping and limits, they lack.
-
-    Springs that are given by time constants stay what they are without it.
-    """
+    """Give leg joints the armature, and their servos damping and limits, they lack."""
     for name, inertia in added_rotors(robot, asked).items():
         joint, own = spec.joint(name), robot.model.joint(name)
         joint.armature = inertia
-        if any(joint.springdamper):
+        if any(joint.springdamper):  # which would grow with that inertia
             joint.stiffness[0], joint.damping[0] = own.stiffness[0], own.damping[0]
             joint.springdamper[:] = 0
     undamped = undamped_joints(robot, asked)

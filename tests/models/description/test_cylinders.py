@@ -44,6 +44,21 @@ def test_a_cylinder_leans_however_it_is_oriented(frame, how):
     assert np.linalg.norm(moved - place) <= LEAN  # times half of a length below 1 m
 
 
+def test_a_cylinder_of_an_attached_model_has_the_units_of_its_own_file():
+    text = MODEL.format(how='axisangle="1 0 0 1.5"', frame="")
+    turned = []
+    for lean in (lambda spec: None, lean_cylinders):
+        radians = text.replace("eulerseq", 'angle="radian" eulerseq')
+        child = mujoco.MjSpec.from_string(radians)
+        main = mujoco.MjSpec.from_string("<mujoco><worldbody/></mujoco>")
+        main.worldbody.add_frame().attach_body(child.bodies[1], "leg_", "")
+        lean(main)
+        data = mujoco.MjData(model := main.compile())
+        mujoco.mj_forward(model, data)
+        turned.append(data.geom_xmat[-1])
+    assert np.abs(np.subtract(*turned)).max() < 2 * LEAN
+
+
 def test_a_cylinder_that_leans_meets_no_floor_below_it():
     """In a pose in which the engine finds the rim of an upright one in the floor."""
     rounded = [0.9999999999999953, 3.2941447427957083e-18, 1.987228746488959e-18]

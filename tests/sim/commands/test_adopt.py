@@ -69,14 +69,14 @@ def test_nothing_is_written_over(tmp_path, capsys, name):
 def test_of_two_that_adopt_a_robot_at_once_the_second_is_refused(
     tmp_path, capsys, monkeypatch
 ):
-    path, draft_card = SPIDER.write(tmp_path), robots.draft_card
+    path, draft_card = SPIDER.write(tmp_path), robots.models.draft_card
 
     def slowly(source):
         found = draft_card(source)
         (tmp_path / "spider.toml").write_text("of the first")
         return found
 
-    monkeypatch.setattr(robots, "draft_card", slowly)
+    monkeypatch.setattr(robots.models, "draft_card", slowly)
     assert main(["adopt", str(path)]) == 2
     assert "spider.toml; give another name, or move it away" in capsys.readouterr().err
     assert (tmp_path / "spider.toml").read_text() == "of the first"
@@ -87,14 +87,17 @@ def test_of_two_that_adopt_a_robot_at_once_the_second_is_refused(
 def test_files_of_others_that_appear_meanwhile_are_kept(late, tmp_path, monkeypatch):
     """A model file once the legs are found, a picture while the robot stands."""
     path = BOX.write(tmp_path)
-    name = {"box.xml": "draft_card", "box.png": "prepare"}[late]
-    function = getattr(robots, name)
+    own, name = {
+        "box.xml": (robots.models, "draft_card"),
+        "box.png": (robots, "prepare"),
+    }[late]
+    function = getattr(own, name)
 
     def found(*words, **more):
         (tmp_path / late).write_text("precious")
         return function(*words, **more)
 
-    monkeypatch.setattr(robots, name, found)
+    monkeypatch.setattr(own, name, found)
     assert main(["adopt", str(path)]) == 2
     assert (tmp_path / late).read_text() == "precious"
     assert names(tmp_path) == sorted(["box.urdf", late])
@@ -104,17 +107,19 @@ def test_a_card_is_never_there_in_part(tmp_path, monkeypatch):
     """Whoever kills the command at any moment finds a whole card, or none."""
     path, seen = BOX.write(tmp_path), []
 
-    def watch(name):
-        function = getattr(robots, name)
+    def watch(own, name):
+        function = getattr(own, name)
 
         def watched(*words, **more):
             seen.extend(card.read_text() for card in tmp_path.glob("box.toml"))
             return function(*words, **more)
 
-        monkeypatch.setattr(robots, name, watched)
+        monkeypatch.setattr(own, name, watched)
 
-    for name in ("draft_card", "whole", "load", "prepare"):
-        watch(name)
+    for name in ("draft_card", "load"):
+        watch(robots.models, name)
+    for name in ("whole", "prepare"):
+        watch(robots, name)
     assert main(["adopt", str(path)]) == 0
     assert len(seen) >= 3
     assert {*seen} == {(tmp_path / "box.toml").read_text()}
@@ -235,8 +240,9 @@ def test_a_robot_that_cannot_be_read_leaves_nothing_behind_it(
     if text is None:
         path.write_text("its owner's")
     source = SimpleNamespace(path=path, text=text)
-    monkeypatch.setattr(robots, "source_of", lambda *_: source)
-    monkeypatch.setattr(robots, "draft_card", lambda _: SimpleNamespace(card="a = 1"))
+    monkeypatch.setattr(robots.models, "source_of", lambda *_: source)
+    draft = SimpleNamespace(card="a = 1")
+    monkeypatch.setattr(robots.models, "draft_card", lambda _: draft)
 
     def load(name, allow_external):
         assert path.with_suffix(".toml").read_text() == "a = 1"
@@ -244,7 +250,7 @@ def test_a_robot_that_cannot_be_read_leaves_nothing_behind_it(
         assert not path.with_suffix(".toml").exists()
         raise ModelError("it has no legs")
 
-    monkeypatch.setattr(robots, "load", load)
+    monkeypatch.setattr(robots.models, "load", load)
     options = Namespace(robot="own.urdf", allow_external=False, json=True)
     with pytest.raises(ModelError, match="it has no legs"):
         robots._adopted(options)
