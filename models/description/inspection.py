@@ -209,9 +209,7 @@ def examine(path: Path) -> list[Path]:
         if not file.is_file():
             raise compiled.refusal("missing", path, file=file)
     began = time.process_time()
-    compiled.named(
-        spec
-    )  # as whoever reads it does, in a time that grows with the square
+    compiled.named(spec)  # as whoever reads it does; its time grows with the square
     if model.nkey > MOST_KEYS or time.process_time() - began > NAMING:
         raise compiled.refusal("many", path, most=NAMING, keys=MOST_KEYS)
     return sorted({path, *texts, *files})
