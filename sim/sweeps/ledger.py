@@ -127,7 +127,8 @@ class Outcome:
         numbers = self.numbers.values()
         if not (all(map(is_text, words)) and all(map(_is_plain, numbers))):
             raise TypeError("a text of it is no text, or a number no number")
-        if self.status != (printable(" ".join(self.status.split())) or None):
+        said = " ".join(self.status[:2000].split())  # letters; errors have 1000
+        if self.status != (printable(said) or None):
             raise TypeError("its status is no message of one line")
 
     @property

@@ -259,3 +259,9 @@ def test_a_ledger_that_is_no_longer_there_is_told_at_once(tmp_path, lose):
             path.unlink() if lose == "remove" else path.parent.rename(tmp_path / "b")
         with pytest.raises(FilesError, match="the ledger was moved, removed or repl"):
             ledger.add([SECOND])
+
+
+def test_a_status_is_as_long_as_what_is_said_of_errors():
+    assert Outcome("a", "x" * 2000).status
+    with pytest.raises(TypeError, match="no message of one line"):
+        Outcome("a", "x" * 2001)
