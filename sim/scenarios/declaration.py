@@ -166,7 +166,7 @@ def _read_as(value: object, kind: object) -> object:
     if origin is Annotated:
         base, limits = inner
         return _number(value, base, limits) if base is not str else _text(value, limits)
-    if origin is tuple and isinstance(value, list | tuple) and value:
+    if origin is tuple and isinstance(value, list | tuple) and 0 < len(value) < 10**5:
         each = inner[:1] * len(value) if inner[-1] is Ellipsis else inner
         return tuple(read(v, k) for v, k in zip(value, each, strict=True))
     if origin is Mapping and isinstance(value, Mapping):

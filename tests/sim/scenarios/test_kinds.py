@@ -187,3 +187,10 @@ def test_a_table_has_the_keys_that_it_needs_and_no_unknown_ones(table, said):
 @pytest.mark.parametrize("value", [-0.0, np.float64(-0.0), 0])
 def test_zero_has_no_sign(value):
     assert repr(read(value, SHARE)) == "0.0"
+
+
+def test_a_list_of_which_no_robot_needs_as_much_is_refused_unread():
+    kind = tuple[Annotated[float, Range(0.0, 1.0)], ...]
+    assert len(read([0.5] * (10**5 - 1), kind)) == 10**5 - 1
+    with pytest.raises(UsageError, match="numbers from 0 to 1"):
+        accept([0.5] * 10**5, kind, words(kind), "here")
