@@ -4,10 +4,13 @@ import errno
 import os
 import subprocess
 import sys
+from contextlib import nullcontext
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
+from planner.support import files
 from planner.support.files import (
     read_file,
     read_text,
@@ -48,6 +51,13 @@ def test_a_new_file_needs_no_links(tmp_path, monkeypatch, number):
     monkeypatch.undo()
     with pytest.raises(FileExistsError):
         write()
+
+
+def test_what_would_be_waited_for_is_read_as_empty(monkeypatch):
+    """As the messages of a kernel are, while there are none."""
+    nothing = SimpleNamespace(read=lambda size: None)
+    monkeypatch.setattr(files, "open_file", lambda path: nullcontext(nothing))
+    assert read_file("kmsg") == b""
 
 
 def test_block_that_fails_leaves_the_file_that_was_there(tmp_path):

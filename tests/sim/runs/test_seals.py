@@ -1,8 +1,11 @@
 """Which files of a run are sealed, and with what."""
 
 import hashlib
+from pathlib import Path
 
-from sim.runs.seals import CARD, MAKE, TABLES, WHOLE, seals
+import pytest
+
+from sim.runs.seals import CARD, MAKE, TABLES, WHOLE, seal, seals
 
 COPIES = ["robot/mine.xml", "assets/leg.obj"]
 
@@ -47,3 +50,12 @@ def test_what_a_summary_names_is_digested_once_and_up_to_a_limit(tmp_path, monke
     found = seals(tmp_path, {}, {}, {"seals": told})
     assert found.keys() & told.keys() == {"a", "b"}
     assert (bool(found["a"]), found["b"]) == (True, None)
+
+
+@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="no /proc here")
+def test_a_file_without_a_size_is_not_read_to_an_end_that_may_not_come(tmp_path):
+    """As those of /proc are, of which some have none."""
+    (tmp_path / "empty").touch()
+    (tmp_path / "link").symlink_to("/proc/self/status")
+    assert (tmp_path / "link").read_bytes()
+    assert seal(tmp_path / "link") == seal(tmp_path / "empty")
