@@ -21,7 +21,8 @@ from models.errors import ModelError, message, refusals
 from planner import Array
 
 COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
-NAN = re.compile(r"""(?i)(?<!name)(?<!class)\s*=\s*["'][^"'<>]*\bnan\b""")
+NAN = re.compile(r"""(?i)\b(\w+)\s*=\s*["'][-+.\de\s]*\bnan\b""")
+TEXTS = re.compile("name$|class$|(joint|geom|body|site|mesh|material|data)[12]?$")
 QUATERNIONS = {int(mujoco.mjtJoint.mjJNT_FREE): 3, int(mujoco.mjtJoint.mjJNT_BALL): 0}
 """Joints with a quaternion, and where in their coordinates it begins."""
 DERIVED = re.compile("0$|^bvh_|^oct_|^geom_aabb|^geom_rbound|mass$|inertia$")
@@ -38,10 +39,8 @@ mujoco.set_mju_user_warning(lambda text: NONE.extend([text] * ("'NaN'" in text))
 
 
 def check_text(path: Path) -> None:
-    """Refuse text outside comments that is not in UTF-8; drawings have no elements."""
+    """Refuse text outside comments that is not in UTF-8."""
     text = _commented_out(path)
-    if not re.search("<[^>]*>", text.partition("\0")[0]):  # as far as the engine reads
-        return
     if odd := re.search("[\udc80-\udcff]", text):  # bytes that are not UTF-8
         byte, line = ord(odd[0]) - 0xDC00, text.count("\n", 0, odd.start()) + 1
         raise refusal("encoding", path, byte=byte, line=line)
@@ -192,9 +191,9 @@ def read_spec(path: Path) -> mujoco.MjSpec:
     with one_line(f"not a usable {_language(str(path))} file: {path}"):
         spec = mujoco.MjSpec.from_file(str(path))
     if NONE:  # however it is written
-        there = NAN.search(text := _commented_out(path))
-        line = f", line {text.count(chr(10), 0, there.end()) + 1}" if there else ""
-        raise refusal("nan", path, line=line)
+        bad = (m for m in NAN.finditer(_commented_out(path)) if not TEXTS.search(m[1]))
+        lines = (f", line {m.string.count(chr(10), 0, m.end()) + 1}" for m in bad)
+        raise refusal("nan", path, line=next(lines, ", or a file that it includes"))
     return spec
 
 

@@ -184,8 +184,7 @@ TOO_LARGE = ("Could not allocate memory", "allocation failed", "unknown exceptio
 def examine(path: Path) -> list[Path]:
     """The files that a model opens, itself included, once it has been compiled."""
     texts = included(path)
-    for text in texts:
-        compiled.check_text(text)
+    compiled.check_text(path)
     model = compiled.compile_model(compiled.read_spec(path), str(path))
     if model.nflex:
         raise compiled.refusal("flexes", path, count=model.nflex)
@@ -205,6 +204,9 @@ def examine(path: Path) -> list[Path]:
     spec = compiled.read_spec(path)
     compiled.check_quaternions(spec, model, str(path))
     files = assets(spec, model)  # compiling may drop some from a spec
+    drawings = {*map(os.path.realpath, files)}
+    for text in (other for other in texts if os.path.realpath(other) not in drawings):
+        compiled.check_text(text)
     for file in sorted(files):
         if not file.is_file():
             raise compiled.refusal("missing", path, file=file)

@@ -1,9 +1,11 @@
-"""Numbers that are none are refused wherever a model has them, with the element."""
+"""Numbers that are none are refused wherever a model has them, with the line."""
+
+import struct
 
 import mujoco
 import pytest
 
-from models.description.compiled import check_text, compile_model
+from models.description.compiled import compile_model
 from models.description.inspection import inspect_model
 from models.errors import ModelError
 
@@ -86,9 +88,29 @@ def test_a_number_that_is_none_is_refused_however_it_is_written(tmp_path, said):
 
 
 def test_a_drawing_that_is_no_text_is_not_read_as_one(tmp_path):
-    path = tmp_path / "foot.stl"
-    path.write_bytes(b"\x89solid\0\xe9" + text(geom='mass="nan"').encode())
-    check_text(path)
+    header = b"made with <a tool> f\xfcr robots".ljust(80, b" ")
+    corners = ((0, 0, 0), (1, 0, 0), (0, 1, 0)), ((0, 0, 0), (0, 1, 0), (0, 0, 1))
+    corners += ((0, 0, 0), (0, 0, 1), (1, 0, 0)), ((1, 0, 0), (0, 0, 1), (0, 1, 0))
+    faces = [struct.pack("<12fH", 0, 0, 0, *sum(c[::-1], ()), 0) for c in corners]
+    stl = header + struct.pack("<I", len(faces)) + b"".join(faces)
+    (tmp_path / "foot.stl").write_bytes(stl)
+    path = tmp_path / "mine.xml"
+    asset = '<mujoco><asset><mesh name="m" file="foot.stl"/></asset>'
+    path.write_text(text(geom='type="mesh" mesh="m"').replace("<mujoco>", asset))
+    assert inspect_model(path).files == (tmp_path / "foot.stl", path)
+
+
+def test_a_file_that_is_included_is_read_as_text(tmp_path):
+    (tmp_path / "part.xml").write_text('<mujoco><option gravity="0 0 nan"/></mujoco>')
+    path = tmp_path / "mine.xml"
+    path.write_text(text().replace("<mujoco>", '<mujoco><include file="part.xml"/>'))
+    with pytest.raises(ModelError, match="mine.xml, or a file that it includes;"):
+        inspect_model(path)
+    (tmp_path / "part.xml").write_bytes(
+        b'<mujoco><custom><text name="a" data="\xe9"/></custom></mujoco>'
+    )
+    with pytest.raises(ModelError, match="byte 0xe9 is no text in UTF-8: .*part.xml"):
+        inspect_model(path)
 
 
 @pytest.mark.parametrize("name", ["inf", "NaN", "Infinity"])

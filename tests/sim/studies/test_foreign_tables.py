@@ -91,8 +91,8 @@ FOREIGN = {
         "int64> are none of a sweep",
     ),
     "too many values": (
-        foreign({str(i): pa.nulls(10**5) for i in range(151)}),
-        "100000 x 151 values with ",
+        foreign({str(i): pa.nulls(10**5) for i in range(181)}),
+        "100000 x 181 values with ",
     ),
     "a thousand times its size": (
         foreign({"x": ["x" * 3 * 10**5]}),
