@@ -21,7 +21,7 @@ from models.errors import ModelError, message, refusals
 from planner import Array
 
 COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
-NAN = re.compile(r"""(?i)\b(\w+)\s*=\s*["'][-+.\de\s]*\bnan\b""")
+BAD = re.compile(r"""(?i)\b(\w+)\s*=\s*["'][-+.\de\s]*\b(nan|inf|infinity)\b""")
 TEXTS = re.compile("name$|class$|(joint|geom|body|site|mesh|material|data)[12]?$")
 QUATERNIONS = {int(mujoco.mjtJoint.mjJNT_FREE): 3, int(mujoco.mjtJoint.mjJNT_BALL): 0}
 """Joints with a quaternion, and where in their coordinates it begins."""
@@ -33,7 +33,7 @@ WORDS = {"jnt": "joint", "tex": "texture", "cam": "camera", "mat": "material"}
 
 refusal = refusals("models", "refusals.toml")
 
-NONE = list[str]()  # warnings of numbers that are none, in the file that is read
+NONE = list[str]()  # warnings of NaN in the file that is read
 # Others are counted by the engine's data, and would be written to a file here.
 mujoco.set_mju_user_warning(lambda text: NONE.extend([text] * ("'NaN'" in text)))
 
@@ -190,10 +190,10 @@ def read_spec(path: Path) -> mujoco.MjSpec:
     NONE.clear()
     with one_line(f"not a usable {_language(str(path))} file: {path}"):
         spec = mujoco.MjSpec.from_file(str(path))
-    if NONE:  # however it is written
-        bad = (m for m in NAN.finditer(_commented_out(path)) if not TEXTS.search(m[1]))
+    bad = [m for m in BAD.finditer(_commented_out(path)) if not TEXTS.search(m[1])]
+    if bad or NONE:  # however it is written
         lines = (f", line {m.string.count(chr(10), 0, m.end()) + 1}" for m in bad)
-        raise refusal("nan", path, line=next(lines, ", or a file that it includes"))
+        raise refusal("number", path, line=next(lines, ", or a file that it includes"))
     return spec
 
 

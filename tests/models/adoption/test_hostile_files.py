@@ -294,5 +294,5 @@ def test_a_urdf_that_grows_without_end_is_refused_in_time(urdf, alone):
 
 def test_a_number_that_is_none_is_refused_in_a_urdf_as_well(urdf):
     path = urdf("near.obj", origin='<origin xyz="0 nan(1) 0"/>')
-    with pytest.raises(ModelError, match="a number is NaN: .*mine.urdf"):
+    with pytest.raises(ModelError, match="a number is not finite: .*mine.urdf"):
         source_of(str(path))

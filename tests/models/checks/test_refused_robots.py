@@ -103,12 +103,15 @@ PARTS = {
     ),
 }  # fmt: skip
 NUMBERS = {
-    "a place": ([PLATE, '<geom pos="nan 0 0.018"'], "pos of <geom> 'plate' is 'nan 0"),
-    "a range": (['range="-0.1 0.6"', 'range="nan 0.6"'], "range of <joint> is 'nan"),
-    "an axis": (['axis="0 -1 0"', 'axis="0 nan 0"'], "axis of <joint>"),
-    "stiffness": (['kp="1000"', 'kp="inf"'], "kp of <position> is 'inf'"),
-    "armature": (['"0.0018"', '"inf"'], "armature of <joint> is 'inf', which is not"),
-    "mass": (['mass="1"', 'mass="inf"'], "mass of <geom> 'plate' is 'inf', which"),
+    "a place": ([PLATE, '<geom pos="nan 0 0.018"'], "is not finite: .*, line 25;"),
+    "a range": (['range="-0.1 0.6"', 'range="nan 0.6"'], "is not finite: .*, line 11;"),
+    "an axis": (['axis="0 -1 0"', 'axis="0 nan 0"'], "is not finite: .*, line 11;"),
+    "stiffness": (['kp="1000"', 'kp="inf"'], "is not finite: .*, line 8;"),
+    "armature": (['"0.0018"', '"inf"'], "is not finite: .*, line 7;"),
+    "mass": (
+        ['mass="1"', 'mass="inf"'],
+        "is not finite: .*, line 25; give one",
+    ),
     "height": (
         ['pos="0 0 0.06"', 'pos="0 0 1e300"'],
         "body_invweight0 of body 'torso'",

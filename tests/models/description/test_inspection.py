@@ -249,7 +249,7 @@ def test_a_compiled_model_leaves_room_for_its_states_and_its_pictures(
 
 def test_numbers_are_looked_at_that_the_compiled_model_does_not_show(robot):
     unused = '<default class="unused"><geom friction="nan"/></default>'
-    with pytest.raises(ModelError, match=r"a number is NaN: .*, line \d+;"):
+    with pytest.raises(ModelError, match=r"a number is not finite: .*, line \d+;"):
         load(str(robot(f"<default>{unused}</default>")))
 
 
