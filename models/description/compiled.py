@@ -22,7 +22,8 @@ from planner import Array
 
 COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 BAD = re.compile(r"""(?i)\b(\w+)\s*=\s*["'][-+.\de\s]*\b(nan|inf|infinity)\b""")
-TEXTS = re.compile("name$|class$|(joint|geom|body|site|mesh|material|data)[12]?$")
+PARTS = "joint|geom|body|site|mesh|material|texture|hfield|tendon|actuator|link|camera"
+TEXTS = re.compile(f"(name|class|file|model|prefix|target|data|({PARTS})[12]?)$")
 QUATERNIONS = {int(mujoco.mjtJoint.mjJNT_FREE): 3, int(mujoco.mjtJoint.mjJNT_BALL): 0}
 """Joints with a quaternion, and where in their coordinates it begins."""
 DERIVED = re.compile("0$|^bvh_|^oct_|^geom_aabb|^geom_rbound|mass$|inertia$")
@@ -33,8 +34,7 @@ WORDS = {"jnt": "joint", "tex": "texture", "cam": "camera", "mat": "material"}
 
 refusal = refusals("models", "refusals.toml")
 
-NONE = list[str]()  # warnings of NaN in the file that is read
-# Others are counted by the engine's data, and would be written to a file here.
+NONE = list[str]()  # warnings of NaN in the file that is read; others are not kept
 mujoco.set_mju_user_warning(lambda text: NONE.extend([text] * ("'NaN'" in text)))
 
 

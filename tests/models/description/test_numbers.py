@@ -20,6 +20,7 @@ MODEL = """<mujoco>
   <keyframe><key name="k" {key}/></keyframe>
 </mujoco>
 """
+PYRAMID = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
 PLACES = {
     "gravity": (
         "option",
