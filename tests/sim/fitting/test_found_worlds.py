@@ -93,7 +93,7 @@ def test_a_walk_is_fitted_in_rounds_each_in_the_world_that_the_last_one_found(
         ("_rows", lambda *_: ()), ("fit_servos", lambda *_: "fitted"),
         ("together", lambda each: "each"),
         ("one_make", lambda _: ("make", "own", f"found {next(rounds)}")),
-        ("shared_make", lambda *_: ("make", "own", "found together")),
+        ("shared_make", lambda *_: ("reaching", "make", "own", "found together")),
         ("_fitted_model", lambda _, log, whole: (log, f"world of {whole}")),
         ("_missed", lambda commanded, log, servo: np.full(2, 4.0)),
     ):  # fmt: skip
@@ -107,5 +107,5 @@ def test_a_walk_is_fitted_in_rounds_each_in_the_world_that_the_last_one_found(
     assert (found.joints, found.make, found.own) == (("a", "b"), "make", "own")
     assert found.before.tolist() == found.after.tolist() == [2.0, 2.0]
     assert not stood
-    fitting.fit_joints(setup, logs, walking=False)
+    assert fitting.fit_joints(setup, logs, walking=False).each == "reaching"
     assert (len(stood), len(walked)) == (1, 3)
