@@ -24,6 +24,7 @@ COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 BAD = re.compile(r"""(?i)\b(\w+)\s*=\s*["'][-+.\de\s]*\b(nan|inf|infinity)\b""")
 PARTS = "joint|geom|body|site|mesh|material|texture|hfield|tendon|actuator|link|camera"
 TEXTS = re.compile(f"(name|class|file|model|prefix|target|data|({PARTS})[12]?)$")
+"""Attributes that may say "nan": they name something."""
 QUATERNIONS = {int(mujoco.mjtJoint.mjJNT_FREE): 3, int(mujoco.mjtJoint.mjJNT_BALL): 0}
 """Joints with a quaternion, and where in their coordinates it begins."""
 DERIVED = re.compile("0$|^bvh_|^oct_|^geom_aabb|^geom_rbound|mass$|inertia$")
@@ -34,22 +35,21 @@ WORDS = {"jnt": "joint", "tex": "texture", "cam": "camera", "mat": "material"}
 
 refusal = refusals("models", "refusals.toml")
 
-NONE = list[str]()  # warnings of NaN in the file that is read; others are not kept
-mujoco.set_mju_user_warning(lambda text: NONE.extend([text] * ("'NaN'" in text)))
+NANS = list[str]()  # warnings of NaN in the file that is read; others are not kept
+mujoco.set_mju_user_warning(lambda text: NANS.extend([text] * ("'NaN'" in text)))
 
 
 def check_text(path: Path) -> None:
-    """Refuse text outside comments that is not in UTF-8."""
-    text = _commented_out(path)
+    """Refuse text outside comments that is not in UTF-8, or has a number not finite."""
+    text = path.read_bytes().decode(errors="surrogateescape")
+    text = COMMENT.sub(lambda comment: "\n" * comment[0].count("\n"), text)
     if odd := re.search("[\udc80-\udcff]", text):  # bytes that are not UTF-8
         byte, line = ord(odd[0]) - 0xDC00, text.count("\n", 0, odd.start()) + 1
         raise refusal("encoding", path, byte=byte, line=line)
-
-
-def _commented_out(path: Path) -> str:
-    """The text of a file, with empty lines for its comments."""
-    text = path.read_bytes().decode(errors="surrogateescape")
-    return COMMENT.sub(lambda comment: "\n" * comment[0].count("\n"), text)
+    for number in BAD.finditer(text):
+        if not TEXTS.search(number[1]):
+            line = text.count("\n", 0, number.end()) + 1
+            raise refusal("number", path, line=f", line {line}")
 
 
 def check_model(model: mujoco.MjModel, source: str) -> None:
@@ -187,13 +187,11 @@ def silence_the_engine() -> None:
 def read_spec(path: Path) -> mujoco.MjSpec:
     """A fresh, editable copy of an MJCF file."""
     silence_the_engine()
-    NONE.clear()
+    NANS.clear()
     with one_line(f"not a usable {_language(str(path))} file: {path}"):
         spec = mujoco.MjSpec.from_file(str(path))
-    bad = [m for m in BAD.finditer(_commented_out(path)) if not TEXTS.search(m[1])]
-    if bad or NONE:  # however it is written
-        lines = (f", line {m.string.count(chr(10), 0, m.end()) + 1}" for m in bad)
-        raise refusal("number", path, line=next(lines, ", or a file that it includes"))
+    if NANS:  # however they are written
+        raise refusal("number", path, line=", or a file that it includes")
     return spec
 
 
