@@ -28,7 +28,7 @@ from scripts.fuzz_inputs import OWN_KINDS, TEXTS
 from scripts.pages import parser_of
 
 OWN = Bounds()
-ADOPTED = replace(OWN, seconds=35.0)  # the command gives itself 30 s
+LONG = "adopt", "sensitivities"  # that takes up to 30 s, and this 9 s for a sound walk
 LOADING = 4.0  # [s] on the processor that the real command takes to begin
 KINDS = OWN_KINDS | FOREIGN
 
@@ -73,13 +73,14 @@ def decided(words: list[str], folder: str | Path, bounds: Bounds = OWN) -> str |
 
 def tried(kind: str, seed: int, patience: float, keep: Path) -> bool:
     """Whether a case ends as it must; one that does not is told, and its files kept."""
-    bounds = ADOPTED if kind.startswith("adopt") else OWN
-    bounds = replace(bounds, patience=patience * bounds.seconds / OWN.seconds)
     with tempfile.TemporaryDirectory() as folder:
         try:
             words = KINDS[kind](Path(folder), random.Random(seed))
         except Exception as error:  # of what is tried in this process
             words = f"raises {type(error).__name__}: {error}"
+        seconds = 35.0 if words[0] in LONG else OWN.seconds
+        waits = patience * seconds / OWN.seconds
+        bounds = replace(OWN, seconds=seconds, patience=waits)
         wrong = words if isinstance(words, str) else fault(words, folder, bounds)
         if wrong:
             print(f"{kind} {seed}: {json.dumps(words)[:200]}: {wrong}", flush=True)

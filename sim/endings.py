@@ -81,7 +81,8 @@ def again(*more: str) -> str:
 def command(*words: object) -> str:
     """A command line for a shell; paths that begin with a dash are no options in it."""
     texts = ["./" * (isinstance(w, Path) and str(w)[0] == "-") + str(w) for w in words]
-    return shlex.join(["stratawalk", *texts])
+    line = shlex.join(["stratawalk", *texts])  # what a terminal might obey, in quotes
+    return "".join(c if c.isprintable() else rf"'$'\U{ord(c):08x}''" for c in line)
 
 
 def way_on() -> str:

@@ -20,7 +20,7 @@ from xml.sax.saxutils import quoteattr
 import mujoco
 
 from models.adoption.words import first, guess, refusal
-from models.description.compiled import named, one_line
+from models.description.compiled import check_text, named, one_line
 from models.description.inspection import inspect_model
 from models.errors import ModelError
 from planner.support import read_file
@@ -34,6 +34,7 @@ Point = tuple[float, float, float]
 def mjcf_of(path: Path, allow_external: bool) -> tuple[str, tuple[str, ...]]:
     """The MJCF of a URDF, seen from its folder, and notes of what was made up."""
     given = read_file(path).decode(errors="replace")
+    check_text(path)
     found = with_packages(given, path.parent)
     drawn, notes = with_shapes(path, given, re.sub("(?<=[\"'])file://", "", found))
     if drawn == given:

@@ -173,6 +173,7 @@ def _tried(path: Path) -> list[str]:
 
 HANDY = 35 * 10**7  # bytes of a compiled model, of which copies are made, and of states
 DRAWN = 170  # bytes that a picture of a height field takes for each height
+FACE, SHAPE = 40, 40_000  # that the replay takes for a face of a mesh, and other shapes
 DENSE = 64  # bytes of matrices that tell whether explicit steps are stable
 NAMING = 0.5  # seconds of the processor, a hundred times what robots take
 MOST_KEYS = 1000  # keyframes, of which each takes long to leave out among many
@@ -190,6 +191,8 @@ def examine(path: Path) -> list[Path]:
         raise compiled.refusal("flexes", path, count=model.nflex)
     numbers = model.nsensordata + model.nuserdata + model.na + model.nq + model.nv
     size = mujoco.mj_sizeModel(model) + DRAWN * model.nhfielddata
+    meshes = model.geom_dataid[model.geom_type == mujoco.mjtGeom.mjGEOM_MESH]
+    size += FACE * int(model.mesh_facenum[meshes].sum()) + SHAPE * model.ngeom
     size += 8 * (STATES_KEPT * numbers + HISTORIES * model.nhistory)
     size += DENSE * model.nv**2
     if size > HANDY:

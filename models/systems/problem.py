@@ -8,21 +8,9 @@ from typing import Literal
 import numpy as np
 import sympy as sp
 
+import planner
 from models.errors import message
-from planner import (
-    Array,
-    Execution,
-    ExtendedSystem,
-    Gait,
-    Path,
-    Plan,
-    StratifiedSystem,
-    StratumError,
-    aim,
-    line,
-    plan,
-    planning,
-)
+from planner import Array, Execution, Plan, StratifiedSystem, StratumError, planning
 from planner.execution import Coordinates, StanceRule
 from planner.support import require_known
 from planner.systems import ShapeCoordinates, ShapeLimits
@@ -89,7 +77,7 @@ class Problem:
     hitches: tuple[sp.Expr, ...] = ()
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "gait", Gait(self.system, self.gait).strata)
+        object.__setattr__(self, "gait", planner.Gait(self.system, self.gait).strata)
         if self.gait[0] != self.system.bottom:
             facts = {"first": self.gait[0], "bottom": self.system.bottom}
             raise StratumError(message("gait_start", name=self.name, **facts))
@@ -104,12 +92,12 @@ class Problem:
         return start, configuration(self.system, "goal", self.goal, start)
 
     @property
-    def path(self) -> Path:
+    def path(self) -> planner.Path:
         """The straight line from start to goal."""
-        return line(*self.states)
+        return planner.line(*self.states)
 
     @cached_property
-    def extended(self) -> ExtendedSystem:
+    def extended(self) -> planner.ExtendedSystem:
         """The extended system, its elements chosen along the path where none are named.
 
         ValueError for unknown elements, PlannerError for those that do not serve.
@@ -123,12 +111,14 @@ class Problem:
         ValueError where the problem asks for the impossible, PlannerError for no plan.
         """
         if aimed:
-            return aim(self.extended, self.path, self.segments, self.execution)
+            return planner.aim(self.extended, self.path, self.segments, self.execution)
         bottom = self.system.bottom
         if any(planning.stratum_at(self.system, x) != bottom for x in self.states):
             asked = self.extended, *self.states, self.segments, self.open_loop
             return planning.plan_between(*asked)
-        return plan(self.extended, self.path, self.segments, execution=self.open_loop)
+        return planner.plan(
+            self.extended, self.path, self.segments, execution=self.open_loop
+        )
 
     def largest_fold(self, way: Array) -> float:
         """The largest angle at a hitch on a way (states, n) [rad]; 0 without any."""

@@ -13,7 +13,7 @@ from typing import NoReturn
 from planner.support import did_you_mean
 from sim.commands.declared import ABOUT, COMMANDS, GUESSES, declare
 from sim.commands.options import command_for, report
-from sim.endings import again
+from sim.endings import again, command
 from sim.errors import UsageError, is_text
 from sim.scenarios.declaration import read, words as words_of
 from sim.scenarios.settings import SETTINGS
@@ -151,7 +151,7 @@ def as_meant(words: Sequence[str]) -> list[str]:
         return as_meant([*rest[:1], "--help"])
     if first.startswith("-") and first not in OPTIONS:
         if place := next((i for i, word in enumerate(words) if word in COMMANDS), 0):
-            line = shlex.join(["stratawalk", *words[place:], *words[:place]])
+            line = command(*words[place:], *words[:place])
             raise UsageError(f"{first} before its command", PLACE, f"try {line}")
         _refuse_option(first, rest, "stratawalk", OPTIONS[1:])
     if not first.startswith("-") and first not in COMMANDS:
@@ -166,7 +166,7 @@ def _instead_of(first: str, rest: Sequence[str]) -> str:
     exact = [first] if first in SETTINGS and f"{first}s" not in COMMANDS else []
     near = [] if exact else get_close_matches(first, [*COMMANDS, "help"], n=1)
     if near:
-        line = shlex.join(["stratawalk", *near, *rest])
+        line = command(*near, *rest)
         return f"did you mean {line}? stratawalk help lists all commands"
     if keys := exact or _settings_named(first):
         value = next((word for word in rest[:1] if not word.startswith("-")), "VALUE")
@@ -224,12 +224,10 @@ def _refuse_option(
     remedy = GUESSES["options"].get(name, "").format_map(words)
     if remedy.startswith("write --") and remedy.split()[1] not in known:
         remedy = ""
-    for command, declared in COMMANDS.items():
-        if (
-            f"--{name}" not in settings
-            and option in " ".join(declared.get("options", ())).split()
-        ):
-            remedy = remedy or f"stratawalk {command} takes it"
+    for other, declared in COMMANDS.items():
+        taken = option in " ".join(declared.get("options", ())).split()
+        if taken and f"--{name}" not in settings:
+            remedy = remedy or f"stratawalk {other} takes it"
     if not remedy and name in SETTINGS and not settings:
         one = _given(name, given.partition(",")[0])
         remedy = f"set it where it is walked, stratawalk run line --set {one}; {SWEPT}"

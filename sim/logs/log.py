@@ -142,14 +142,15 @@ def read_log(
             file are, or what makes radians of the numbers of each joint.
 
     Raises:
-        UsageError: It is missing, no such table, or too large; a column is nothing of
-            the robot, a number not finite or not an angle, or time does not ascend.
-        OSError: It cannot be read.
+        UsageError: It cannot be read, is no such table, or too large; a column is
+            nothing of the robot, a number not finite or not an angle, or time does not
+            ascend.
     """
     try:
         return _log(_table(path, joints), joints, legs, angles)
-    except (FileNotFoundError, IsADirectoryError) as error:
-        raise UsageError("no such log", str(path), "check the path") from error
+    except OSError as error:
+        what, remedy = f"no such log, {error.strerror}", "give a log, or a part of one"
+        raise UsageError(what, str(path), remedy) from error
     except (ValueError, csv.Error) as error:
         raise UsageError.at(str(path), error, "correct the file") from error
 

@@ -202,7 +202,7 @@ def _bars(axes: "Axes", spells: Array, y: float, high: float, colour: str) -> No
     x = spells[:, [0, 1, 1, 0]]
     upright = np.broadcast_to([y, y, y + high, y + high], x.shape)
     shape = Path.make_compound_path_from_polys(np.stack([x, upright], axis=-1))
-    axes.add_patch(PathPatch(shape, facecolor=colour, lw=0))
+    axes.add_artist(PathPatch(shape, facecolor=colour, lw=0))
 
 
 def _of_stratum(run: Run, stratum: str, index: int) -> str:

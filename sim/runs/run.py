@@ -255,7 +255,7 @@ def read_run(folder: Path, *, inspected: bool = False) -> Run:
         open_file(folder / MODEL).close()  # without which nothing can be shown
         card = read_text(folder / "model.toml")
         feet = len(description.parse_card(card, str(folder / "model.toml")).legs)
-        summary = plain_json(read_file(folder / "summary.json"))
+        summary = plain_json(read_file(folder / "summary.json", 10**6))
         run = Run(
             folder=folder.resolve(),
             settings=description.parse_toml(read_text(folder / "scenario.toml")),

@@ -4,6 +4,7 @@ import pytest
 
 from models.adoption.draft import draft_card
 from models.adoption.source import source_of
+from models.errors import ModelError
 from scripts.adoptees import ADOPTEES
 from tests.models.adoption.test_draft import BOX, written
 
@@ -45,3 +46,11 @@ def test_a_robot_of_several_in_a_folder_is_named(tmp_path):
     (tmp_path / "worm.xml").write_text("<mujoco><!-- <freejoint/> --></mujoco>")
     (note,) = source_of(str(tmp_path)).notes
     assert note == "spider.xml, as worm.xml is a robot, too"
+
+
+@pytest.mark.parametrize("shapes", ["collision", "visual"])  # which is written anew
+def test_a_urdf_that_is_not_in_utf_8_is_refused_with_the_line(tmp_path, shapes):
+    path = written(BOX, tmp_path, "collision>", f"{shapes}>")
+    path.write_bytes(path.read_text().replace("yaw1", "h\xfcfte").encode("latin-1"))
+    with pytest.raises(ModelError, match=r"byte 0xfc is no text .*box.urdf, line \d+;"):
+        source_of(str(path))

@@ -1,7 +1,9 @@
 """Commands that messages name can be pasted into a shell, whatever files are called."""
 
+import os
 import shlex
 import shutil
+import subprocess
 
 import pytest
 
@@ -146,3 +148,13 @@ def test_what_a_run_s_robot_gave_is_not_handed_to_another_without_a_word(
     sweep.write_text(f'scenario = "scenario.toml"\n[grid]\n{key} = ["{other}"]\n')
     read_sweep(str(sweep))
     assert (said in capsys.readouterr().err) == run
+
+
+def test_a_shell_takes_a_printed_command_and_no_terminal_obeys_it():
+    words = ["x\x1b[31m", "a\nb", "it's", "\u202e", "\x9b2J", "na\xefve", "back\\"]
+    line = command(*words)
+    assert line.isprintable()
+    script = f"stratawalk() {{ printf '%s\\0' \"$@\"; }}\n{line}"
+    env = os.environ | {"LC_ALL": "C.UTF-8"}
+    given = subprocess.run(["bash", "-c", script], env=env, stdout=subprocess.PIPE)
+    assert given.stdout.decode().split("\0")[:-1] == words

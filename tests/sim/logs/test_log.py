@@ -1,5 +1,6 @@
 """Logs of anybody are read with care: what they say, and what they may not."""
 
+import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -139,10 +140,20 @@ def test_what_is_no_log_is_refused_in_one_line(read, text, words):
         read(text)
 
 
-def test_a_folder_and_a_file_that_is_missing_are_no_logs(tmp_path):
-    for path in (tmp_path, tmp_path / "gone.csv"):
-        with pytest.raises(UsageError, match=f"no such log: {path}; check the path"):
-            read_log(path, JOINTS, LEGS)
+def test_what_is_no_file_or_too_large_is_no_log(tmp_path):
+    os.mkfifo(tmp_path / "pipe.csv")
+    (tmp_path / "large.csv").touch()
+    os.truncate(tmp_path / "large.csv", 10**8 + 1)
+    reasons = {
+        "": "Is a directory",
+        "gone.csv": "No such file or directory",
+        "pipe.csv": "not a file",
+        "large.csv": "larger than 100 MB",
+    }
+    for name, why in reasons.items():
+        said = f"no such log, {why}: {tmp_path / name}; give a log, or a part of one"
+        with pytest.raises(UsageError, match=f"^{said}$"):
+            read_log(tmp_path / name, JOINTS, LEGS)
 
 
 def test_digits_of_other_scripts_are_no_numbers(tmp_path):
