@@ -233,7 +233,7 @@ def test_names_with_a_point_are_columns_and_others_are_joints():
 def test_a_missing_log_and_one_in_utf_16_are_what_was_given_wrongly(tmp_path):
     path = tmp_path / "log.csv"
     with pytest.raises(
-        UsageError, match="^no such log, No such file .*log.csv; give a log,"
+        UsageError, match="^no such log, No such file .*log.csv; give a"
     ):
         read_log(path, ("hip_1",), (1,))
     path.write_text("time,hip_1\n0,0\n1,0.1\n", encoding="utf-16")
