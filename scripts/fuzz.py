@@ -28,7 +28,10 @@ from scripts.fuzz_inputs import OWN_KINDS, TEXTS
 from scripts.pages import parser_of
 
 OWN = Bounds()
-LONG = "adopt", "sensitivities"  # that takes up to 30 s, and this 9 s for a sound walk
+LONG = {
+    "adopt",
+    "sensitivities",
+}  # that takes up to 30 s, and this 9 s for a sound walk
 LOADING = 4.0  # [s] on the processor that the real command takes to begin
 KINDS = OWN_KINDS | FOREIGN
 
@@ -78,7 +81,7 @@ def tried(kind: str, seed: int, patience: float, keep: Path) -> bool:
             words = KINDS[kind](Path(folder), random.Random(seed))
         except Exception as error:  # of what is tried in this process
             words = f"raises {type(error).__name__}: {error}"
-        seconds = 35.0 if words[0] in LONG else OWN.seconds
+        seconds = 35.0 if LONG & {*words[:1]} else OWN.seconds
         waits = patience * seconds / OWN.seconds
         bounds = replace(OWN, seconds=seconds, patience=waits)
         wrong = words if isinstance(words, str) else fault(words, folder, bounds)
