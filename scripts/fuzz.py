@@ -28,10 +28,7 @@ from scripts.fuzz_inputs import OWN_KINDS, TEXTS
 from scripts.pages import parser_of
 
 OWN = Bounds()
-LONG = {
-    "adopt",
-    "sensitivities",
-}  # that takes up to 30 s, and this 9 s for a sound walk
+LONG = {"adopt", "sensitivities"}  # up to 30 s, and 9 s for a sound walk
 LOADING = 4.0  # [s] on the processor that the real command takes to begin
 KINDS = OWN_KINDS | FOREIGN
 
