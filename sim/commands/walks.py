@@ -85,8 +85,10 @@ def _walk(
 
     def kept() -> str:
         if (folder.path / "summary.json").exists():
-            on = "show" if look is None else "film"
-            return f"the walk is complete; go on: {command(on, folder.path)}"
+            film = [command("film", folder.path, "--look", look)] if look else []
+            drawn = film and (folder.path / "report.html").exists()
+            show = [] if drawn else [command("show", folder.path)]
+            return f"the walk is complete; go on: {' && '.join(show + film)}"
         return cli.kept_in(folder.path, options.out)
 
     with keeping(kept):

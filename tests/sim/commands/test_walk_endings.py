@@ -111,9 +111,14 @@ def test_draws_beyond_the_last_are_refused_before_a_folder_is_made(monkeypatch):
 def test_a_walk_that_is_complete_goes_on_with_its_pictures(interrupted):
     out, of = interrupted
     (out / "summary.json").write_text("{}")
-    for look, on in ((None, "show"), ("paper", "film")):
+    show, film = f"stratawalk show {out}", f"stratawalk film {out} --look final"
+    for look, on in ((None, show), ("final", f"{show} && {film}")):
         said = of(walks._walk, LINE, None, look, ..., [])
-        assert said == f"the walk is complete; go on: stratawalk {on} {out}"
+        assert said == f"the walk is complete; go on: {on}"
+    (out / "report.html").touch()
+    for look, on in ((None, show), ("final", film)):
+        said = of(walks._walk, LINE, None, look, ..., [])
+        assert said == f"the walk is complete; go on: {on}"
 
 
 def test_a_draw_is_as_far_off_as_its_end_or_its_prediction(monkeypatch, tmp_path):
