@@ -78,9 +78,8 @@ def tried(kind: str, seed: int, patience: float, keep: Path) -> bool:
             words = KINDS[kind](Path(folder), random.Random(seed))
         except Exception as error:  # of what is tried in this process
             words = f"raises {type(error).__name__}: {error}"
-        seconds = 35.0 if LONG & {*words[:1]} else OWN.seconds
-        waits = patience * seconds / OWN.seconds
-        bounds = replace(OWN, seconds=seconds, patience=waits)
+        most = 35.0 if LONG & {*words[:1]} else OWN.seconds
+        bounds = replace(OWN, seconds=most, patience=patience * most / OWN.seconds)
         wrong = words if isinstance(words, str) else fault(words, folder, bounds)
         if wrong:
             print(f"{kind} {seed}: {json.dumps(words)[:200]}: {wrong}", flush=True)

@@ -13,6 +13,7 @@ import sys
 import time
 from base64 import urlsafe_b64encode
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from importlib.metadata import Distribution, PackageNotFoundError, distribution
 from importlib.util import find_spec
@@ -34,6 +35,7 @@ SHOWN = 3  # differences of packages
 MUJOCO = "mujoco==4.0.0"
 REINSTALL = f"{sys.executable} -m pip install --force-reinstall"
 PINS = ROOT / "scripts"
+OWN = f"--editable '{ROOT}'" if PINS.is_dir() else "stratawalk"
 
 
 @dataclass(frozen=True)
@@ -76,7 +78,7 @@ def _examined(check: Check) -> Finding:
     except (RenderError, FilesError) as error:
         return Finding(False, f"{error.what}: {error.where}", error.remedy)
     except ImportError as error:
-        package = str(error.name or "").partition(".")[0] or "stratawalk"
+        package = str(error.name or "").partition(".")[0] or OWN
         return Finding(False, str(error), f"{REINSTALL} {package}")
     except Exception as error:  # whatever it is, the doctor goes on to the next part
         return Finding(False, one_line(error), f"{REINSTALL} {check.package}")
@@ -147,6 +149,7 @@ def _packages() -> str:
         wrong = ", ".join(what for _, what in differ[:SHOWN])
         more = f", and {len(differ) - SHOWN} more" if differ[SHOWN:] else ""
         anew = " ".join(f"'{wanted}'" for wanted in dict(differ))
+        anew = anew.replace("'stratawalk'", OWN)  # which no index has
         raise FilesError(wrong + more, "packages", f"{REINSTALL} --no-deps {anew}")
     return "versions as wanted, every file as its package lists it"
 
@@ -176,23 +179,24 @@ def _wanted() -> "list[Requirement]":
     if not texts:
         lines = distribution("stratawalk").requires or []
     wanted = (Requirement(line.removesuffix("\\")) for line in [*lines, "stratawalk"])
-    here = {"extra": ""}
-    return [one for one in wanted if one.marker is None or one.marker.evaluate(here)]
+    return [w for w in wanted if w.marker is None or w.marker.evaluate({"extra": ""})]
 
 
 def _changed(found: Distribution) -> Iterator[Path]:
     """Files of a package that are gone, or are not what their hashes say."""
-    if not (record := found.read_text("RECORD")):
+    rows: list[list[str]] = []  # `files` leaves out what is gone
+    with suppress(ValueError, csv.Error):  # of other text
+        rows += csv.reader((found.read_text("RECORD") or "").splitlines())
+    if {*map(len, rows)} != {3}:
         yield Path(f"the list of files of {found.name}")
-    rows = csv.reader((record or "").splitlines())  # `files` leaves out what is gone
-    for name, sealed, *_ in rows:
+    for name, sealed, *_ in (row for row in rows if len(row) > 1):
         kind, _, wanted = sealed.partition("=")
         if not wanted or name.startswith(".."):  # programs name their Python
             continue
         path = Path(str(found.locate_file(name)))
         try:
             digest = hashlib.new(kind, path.read_bytes()).digest()
-        except (OSError, ValueError):  # or no hash that is known
+        except (OSError, ValueError, TypeError):  # or no hash that is known
             digest = b""
         if urlsafe_b64encode(digest).rstrip(b"=") != wanted.encode():
             yield path
@@ -204,7 +208,7 @@ CHECKS = {
     "film": Check(_film, ExitCode.RENDER, "imageio-ffmpeg"),
     "figures": Check(_figures, ExitCode.RENDER, "matplotlib"),
     "report": Check(_report, ExitCode.RENDER, "jinja2"),
-    "packages": Check(_packages, ExitCode.FILES, "stratawalk"),
+    "packages": Check(_packages, ExitCode.FILES, OWN),
 }
 
 
@@ -216,10 +220,9 @@ def bench(options: argparse.Namespace) -> None:
         for package in ("casadi", "ompl"):
             if find_spec(package) is None:
                 raise ModuleNotFoundError(name=package)
-        script = [sys.executable, "-m", "scripts.planner_table"]
-        script += ["--json"] if options.json else []
+        words = ["-m", "scripts.planner_table", *["--json"] * options.json]
         env = os.environ | {"PYTHONPATH": str(ROOT)}
-        subprocess.run(script, cwd=ROOT, env=env, check=True)
+        subprocess.run([sys.executable, *words], cwd=ROOT, env=env, check=True)
         return
     if options.sweeps:
         from sim.bench.sweep_speed import measure

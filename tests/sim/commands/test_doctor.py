@@ -1,6 +1,7 @@
 """The doctor says what works here, and gives the command that repairs the rest."""
 
 import json
+import re
 import tomllib
 from base64 import urlsafe_b64encode
 from hashlib import sha256
@@ -12,6 +13,7 @@ import pytest
 from sim.cli import main
 from sim.commands import doctor as packages
 from sim.commands.doctor import CHECKS, MUJOCO
+from sim.errors import FilesError
 from sim.pictures import gl
 
 PROJECT = Path(__file__).resolve().parents[3] / "pyproject.toml"
@@ -136,8 +138,12 @@ def test_a_file_that_was_changed_after_its_installation_is_told(installed, damag
     assert what == f"{installed / 'simple_thing.py'} is not as it was installed"
 
 
-def test_a_package_whose_files_nobody_listed_is_told(installed):
-    (installed / "simple_thing-1.2.dist-info" / "RECORD").unlink()
+@pytest.mark.parametrize(
+    "more", [None, b"simple/more.py\n", b"\n", b"\xff,,\n", b'"'], ids=str
+)
+def test_a_package_whose_files_nobody_listed_is_told(installed, more):
+    record = installed / "simple_thing-1.2.dist-info" / "RECORD"
+    record.write_bytes(record.read_bytes() + more) if more else record.unlink()
     ((wanted, what),) = packages.differences()
     assert wanted == "simple-thing==1.2"
     assert what == "the list of files of simple-thing is not as it was installed"
@@ -145,9 +151,10 @@ def test_a_package_whose_files_nobody_listed_is_told(installed):
 
 def test_a_hash_of_a_kind_that_nobody_knows_is_none(installed):
     record = installed / "simple_thing-1.2.dist-info" / "RECORD"
-    record.write_text(record.read_text().replace("sha256=", "sha999="))
-    ((_, what),) = packages.differences()
-    assert what == f"{installed / 'simple_thing.py'} is not as it was installed"
+    for kind in ("sha999", "shake_128"):
+        record.write_text(re.sub("sha.*?=", f"{kind}=", record.read_text(), count=1))
+        ((_, what),) = packages.differences()
+        assert what == f"{installed / 'simple_thing.py'} is not as it was installed"
 
 
 def test_files_of_the_package_itself_are_compared_too(installed, monkeypatch):
@@ -179,6 +186,16 @@ def test_packages_that_differ_end_with_6_and_the_command_that_repairs_them(
     found = findings["packages"]
     assert found["detail"].endswith("numpy/2.py is not as it was, and 2 more: packages")
     assert found["repair"].endswith("--force-reinstall --no-deps 'numpy==2.0'")
+
+
+def test_the_package_itself_is_installed_anew_from_its_checkout(monkeypatch):
+    """No index has it, and what else is called so there is none of ours."""
+    differ = [("stratawalk", "sim/cli.py is not as it was")]
+    monkeypatch.setattr(packages, "differences", lambda: iter(differ))
+    with pytest.raises(FilesError) as told:
+        packages._packages()
+    assert told.value.remedy.endswith(f" --no-deps --editable '{PROJECT.parent}'")
+    assert CHECKS["packages"].package == f"--editable '{PROJECT.parent}'"
 
 
 def test_the_engine_to_install_is_the_one_required():
