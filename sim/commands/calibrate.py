@@ -141,7 +141,8 @@ def _calibrated(
         raise UsageError.of("channels", file, left=number - len(known), free=len(free))
 
     def kept() -> str:
-        return f"{file} keeps {len(known)} of {number} servos; go on: {again()}"
+        used = "" if ask.is_asked else "leave out the answers that it has; "
+        return f"{file} keeps {len(known)} of {number} servos; {used}go on: {again()}"
 
     with keeping(kept):
         if len(known) < number:
@@ -236,7 +237,7 @@ class _Asker:
     def __init__(self, file: str | None) -> None:
         self._place = file or "standard input"  # which may have no end
         self._lines = iter(lambda: sys.stdin.readline(200), "")  # letters
-        self._is_asked = not file and sys.stdin.isatty()  # a person, even again
+        self.is_asked = not file and sys.stdin.isatty()  # a person, even again
         if file:
             try:
                 self._lines = iter(read_text(file).splitlines())
@@ -247,10 +248,10 @@ class _Asker:
         """What is answered, as `read` has it; whom it refuses is asked again."""
         for _ in range(MOST_MISTAKES):
             try:
-                answer = input(question) if self._is_asked else next(self._lines)
+                answer = input(question) if self.is_asked else next(self._lines)
                 return read(answer.strip())
             except (EOFError, StopIteration):
-                raise UsageError("answers end", self._place, self._on) from None
+                raise UsageError("answers end", self._place, way_on()) from None
             except (ValueError, argparse.ArgumentTypeError) as error:
                 self.refuse(error)
         what = f"{MOST_MISTAKES} answers to one question cannot be used"
@@ -258,17 +259,11 @@ class _Asker:
 
     def refuse(self, error: Exception) -> None:
         """Say why an answer cannot be used, with which those of a file end."""
-        if self._is_asked:
+        if self.is_asked:
             print(printable(f"  {error}"))
             return
         what = f"an answer that cannot be used, {error}"
-        raise UsageError(what, self._place, self._on)
-
-    @property
-    def _on(self) -> str:
-        """How to go on, with a file of answers that does not begin with used ones."""
-        rest = "leave in it the answers that are yet to be used; "
-        return rest * (not self._is_asked) + way_on()
+        raise UsageError(what, self._place, way_on())
 
 
 def _check(robot: Robot, kind: ServoKind, folder: RunFolder) -> Mapping[str, str]:

@@ -44,7 +44,7 @@ def test_an_answer_of_a_file_that_cannot_be_used_ends_all(tmp_path):
     file = tmp_path / "answers"
     file.write_text("swing_9\nswing_1\n")
     ask = _Asker(str(file))
-    said = f"cannot be used, invalid literal.*: {file}; leave in it the answers that"
+    said = f"cannot be used, invalid literal.*: {file}; written files"
     with pytest.raises(UsageError, match=said):
         ask("which? ", int)
 
@@ -125,7 +125,7 @@ def test_more_servos_than_a_board_has_channels_are_refused_at_once(tmp_path, hex
 def test_an_answer_of_a_pipe_that_cannot_be_used_ends_all(monkeypatch):
     """As in a file; nobody is there to be asked again."""
     monkeypatch.setattr(sys, "stdin", io.StringIO("x\n3\n"))
-    with pytest.raises(UsageError, match="cannot be used, .*: standard input; leave"):
+    with pytest.raises(UsageError, match="cannot be used, .*: standard input; written"):
         _Asker(None)("which? ", int)
 
 
@@ -141,9 +141,7 @@ def test_answers_of_a_file_that_end_are_not_to_be_given_again(tmp_path):
     file.write_text("3\n")
     ask = _Asker(str(file))
     assert ask("which? ", int) == 3
-    with pytest.raises(
-        UsageError, match="answers end: .*; leave in it the answers that"
-    ):
+    with pytest.raises(UsageError, match=f"answers end: {file}; written files"):
         ask("which? ", int)
 
 
