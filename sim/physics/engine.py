@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 from mujoco import batch
 
-from models.description import silence_the_engine
+from models.description import ON_JOINT, silence_the_engine
 from planner import Array
 from sim.errors import SimulationError
 
@@ -124,14 +124,17 @@ class Engine:
             raise failure
 
     def _runaway(self, qvel: Array) -> str:
-        """Which joint ran away first, in words; not the root, which others throw."""
-        joints = self.model.dof_jntid
-        own = self.model.jnt_type[joints] != mujoco.mjtJoint.mjJNT_FREE
+        """Which joint ran away first; not the root, which others throw, nor a fan."""
+        model, joints = self.model, self.model.dof_jntid
+        turns = np.isin(model.actuator_trntype, ON_JOINT)
+        turned = model.actuator_trnid[turns & (model.actuator_biasprm[:, 1] == 0), 0]
+        own = model.jnt_type[joints] != mujoco.mjtJoint.mjJNT_FREE
+        own &= ~np.isin(joints, turned)  # by what holds no angle
         speed = np.where(own, np.abs(qvel), 0.0)
         rows = np.flatnonzero((speed > RUNAWAY).any(axis=1))
         if not len(rows):
             return ""
-        return f" at joint {self.model.joint(joints[speed[rows[0]].argmax()]).name!r}"
+        return f" at joint {model.joint(joints[speed[rows[0]].argmax()]).name!r}"
 
     def _joint(self, warning: int, place: int) -> str:
         """Which joint a warning is about, in words; it tells a coordinate's place."""

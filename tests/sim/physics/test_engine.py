@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 
+import models
 from sim.errors import SimulationError
 from sim.physics.engine import Engine
 from sim.world.model import build, load
@@ -119,6 +120,23 @@ def test_a_divergence_is_laid_to_the_joint_that_was_too_fast_first(model):
     qvel[2, model.joint("lift_2").dofadr] = 120.0
     qvel[3, model.joint("lift_1").dofadr] = 1e9
     assert engine._runaway(qvel) == " at joint 'swing_5'"
+
+
+def test_what_turns_fast_on_purpose_has_not_run_away():
+    spec = models.load("hexapod").read()
+    for number, hub in enumerate(("fan", "wheel")):
+        body = spec.body("torso").add_body(name=hub)
+        body.add_joint(name=hub)
+        body.add_geom(size=[0.01, 0, 0], mass=0.001)
+        fan = spec.add_actuator(name=hub, target=hub, trntype=mujoco.mjtTrn.mjTRN_JOINT)
+        fan.set_to_motor() if number else fan.set_to_velocity(kv=1e-4)
+    model = spec.compile()
+    engine, qvel = Engine(model), np.zeros((3, model.nv))
+    for hub in ("fan", "wheel"):
+        qvel[:, model.joint(hub).dofadr] = 150.0
+    assert engine._runaway(qvel) == ""
+    qvel[2, model.joint("lift_3").dofadr] = 110.0
+    assert engine._runaway(qvel) == " at joint 'lift_3'"
 
 
 def test_a_command_that_is_not_finite_is_stopped_before_the_engine(model):
