@@ -173,7 +173,7 @@ def _tried(path: Path) -> list[str]:
 
 HANDY = 35 * 10**7  # bytes of a compiled model, of which copies are made, and of states
 DRAWN = 170  # bytes that a picture of a height field takes for each height
-FACE, SHAPE = 40, 40_000  # that the replay takes for a face of a mesh, and other shapes
+FACE, SHAPE = 10, 10_000  # a quarter of what the replay takes for a face, and a geom
 DENSE = 64  # bytes of matrices that tell whether explicit steps are stable
 NAMING = 0.5  # seconds of the processor, a hundred times what robots take
 MOST_KEYS = 1000  # keyframes, of which each takes long to leave out among many

@@ -15,10 +15,10 @@ SPHERE = '<geom size="0.1" mass="0" contype="0" conaffinity="0"/>'
 
 
 @pytest.mark.parametrize(
-    ("geom", "fits", "many"), [(BALL, 100, 450), (SPHERE, 1000, 9000)]
+    ("geom", "fits", "many"), [(BALL, 400, 1750), (SPHERE, 1000, 36_000)]
 )
 def test_each_geom_of_a_drawing_takes_memory_of_its_own(tmp_path, geom, fits, many):
-    """Such a ball has 20,480 faces; a replay of 2500 like it took 4.8 GB."""
+    """Such a ball has 20,480 faces; a replay of a hundred million took 4.8 GB."""
     trimesh.creation.icosphere(subdivisions=5).export(tmp_path / "ball.stl")
     path = tmp_path / "mine.xml"
     path.write_text(MODEL.format(drawn=fits * geom))
