@@ -30,7 +30,7 @@ JOINT_SERVO_KEYS = tuple(item.name for item in fields(JointServo))
 def card_text(path: Path) -> str:
     """Text of a card's file."""
     try:
-        return read_text(path)
+        return read_text(path, 10**6)
     except (ValueError, OSError) as error:
         why = getattr(error, "strerror", error)
         raise ModelError(f"bad robot card: {path}; {why}") from error

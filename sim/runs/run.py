@@ -253,7 +253,7 @@ def read_run(folder: Path, *, inspected: bool = False) -> Run:
     stops = folder / "feedback.csv"
     with blamed_on(folder), reading(folder):
         open_file(folder / MODEL).close()  # without which nothing can be shown
-        card = read_text(folder / "model.toml")
+        card = read_text(folder / "model.toml", 10**6)
         feet = len(description.parse_card(card, str(folder / "model.toml")).legs)
         summary = plain_json(read_file(folder / "summary.json", 10**6))
         run = Run(

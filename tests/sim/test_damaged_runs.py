@@ -197,6 +197,7 @@ DAMAGES = {
         words(lambda text: json.dumps(json.loads(text) | {"verdict": True})),
         "show compare",
     ),
+    "a card of a MB": ("model.toml", words(lambda t: t + "#" * 10**6), "show"),
     "a summary of a MB": ("summary.json", words(lambda t: t + " " * 10**6), "show"),
     "a summary cut": ("summary.json", cut, "show export compare"),
     "phases cut": ("flows.csv", cut, f"{VIEWS} show compare"),

@@ -5,6 +5,8 @@ from dataclasses import replace
 import pytest
 
 from models.description.card import Card, GroupCard, LegCard
+from models.description.card_file import card_text
+from models.errors import ModelError
 
 
 def leg(number):
@@ -34,3 +36,13 @@ def test_no_joint_is_called_as_a_column_of_logs_is(name):
     with pytest.raises(ValueError, match=f"joint '{name}' is called as a column"):
         replace(CARD, legs=legs)
     replace(CARD, legs=CARD.legs | {1: LegCard("timer", "contact", ("foot_1",))})
+
+
+def test_a_card_has_a_megabyte_at_most(tmp_path):
+    """It is read more than once, and 10 MB of comments take 6 s each time."""
+    path = tmp_path / "mine.toml"
+    path.write_text("#" * 10**6)
+    assert len(card_text(path)) == 10**6
+    path.write_text("#" * (10**6 + 1))
+    with pytest.raises(ModelError, match="^bad robot card: .*; larger than 1 MB$"):
+        card_text(path)
