@@ -13,12 +13,12 @@ import sys
 import time
 from base64 import urlsafe_b64encode
 from collections.abc import Callable, Iterator
-from contextlib import suppress
 from dataclasses import asdict, dataclass
 from importlib.metadata import Distribution, PackageNotFoundError, distribution
 from importlib.util import find_spec
 from io import BytesIO
 from pathlib import Path
+from shlex import quote
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -35,7 +35,8 @@ SHOWN = 3  # differences of packages
 MUJOCO = "mujoco==4.0.0"
 REINSTALL = f"{sys.executable} -m pip install --force-reinstall"
 PINS = ROOT / "scripts"
-OWN = f"--editable '{ROOT}'" if PINS.is_dir() else "stratawalk"
+IS_CHECKOUT = (ROOT / "pyproject.toml").is_file()
+OWN = f"--editable {quote(str(ROOT))}" if IS_CHECKOUT else "CHECKOUT"
 
 
 @dataclass(frozen=True)
@@ -78,7 +79,8 @@ def _examined(check: Check) -> Finding:
     except (RenderError, FilesError) as error:
         return Finding(False, f"{error.what}: {error.where}", error.remedy)
     except ImportError as error:
-        package = str(error.name or "").partition(".")[0] or OWN
+        package = str(error.name or "sim").partition(".")[0]
+        package = OWN if package in ("planner", "models", "sim") else package
         return Finding(False, str(error), f"{REINSTALL} {package}")
     except Exception as error:  # whatever it is, the doctor goes on to the next part
         return Finding(False, one_line(error), f"{REINSTALL} {check.package}")
@@ -118,9 +120,8 @@ def _film() -> str:
         with file.encoding(film) as append:
             for _ in range(PICTURES):
                 append(np.zeros((64, 64, 3), np.uint8))
-        if (found := file.count_pictures(film)) != PICTURES:
-            what = f"{found} of {PICTURES} pictures"
-            raise RenderError(what, file.CODEC, file.INSTALL)
+        if (n := file.count_pictures(film)) != PICTURES:
+            raise RenderError(f"{n} of {PICTURES} pictures", file.CODEC, file.INSTALL)
     return f"ffmpeg {get_ffmpeg_version()} with {file.CODEC}"
 
 
@@ -184,9 +185,11 @@ def _wanted() -> "list[Requirement]":
 
 def _changed(found: Distribution) -> Iterator[Path]:
     """Files of a package that are gone, or are not what their hashes say."""
-    rows: list[list[str]] = []  # `files` leaves out what is gone
-    with suppress(ValueError, csv.Error):  # of other text
-        rows += csv.reader((found.read_text("RECORD") or "").splitlines())
+    try:
+        text = found.read_text("RECORD") or ""  # `files` leaves out what is gone
+        rows = [*csv.reader(text.splitlines(), strict=True)]
+    except (ValueError, csv.Error):  # of other text
+        rows = []
     if {*map(len, rows)} != {3}:
         yield Path(f"the list of files of {found.name}")
     for name, sealed, *_ in (row for row in rows if len(row) > 1):
@@ -215,7 +218,7 @@ CHECKS = {
 def bench(options: argparse.Namespace) -> None:
     """Print every measurement when it is done."""
     if options.peers:
-        if not (ROOT / "scripts" / "planner_table.py").is_file():  # in a checkout only
+        if not IS_CHECKOUT:
             raise UsageError.of("peers", "bench --peers")
         for package in ("casadi", "ompl"):
             if find_spec(package) is None:

@@ -29,7 +29,7 @@ class WalkedPhase(NamedTuple):
 
 KINDS: dict[str, Callable[[str], Any]]  # readers of the columns
 KINDS = get_type_hints(WalkedPhase) | {
-    "as_planned": lambda text: bool(("0", "1").index(text))
+    "as_planned": lambda text: bool(["0", "1"].index(text))
 }
 COLUMNS = ("index", *WalkedPhase._fields)
 LARGEST = 1e9  # number, and more segments than any walk has

@@ -129,8 +129,7 @@ class Engine:
         turns = np.isin(model.actuator_trntype, ON_JOINT)
         turned = model.actuator_trnid[turns & (model.actuator_biasprm[:, 1] == 0), 0]
         own = model.jnt_type[joints] != mujoco.mjtJoint.mjJNT_FREE
-        own &= ~np.isin(joints, turned)  # by what holds no angle
-        speed = np.where(own, np.abs(qvel), 0.0)
+        speed = np.where(own & ~np.isin(joints, turned), np.abs(qvel), 0.0)
         rows = np.flatnonzero((speed > RUNAWAY).any(axis=1))
         if not len(rows):
             return ""

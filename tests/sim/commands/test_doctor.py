@@ -1,5 +1,6 @@
 """The doctor says what works here, and gives the command that repairs the rest."""
 
+import importlib
 import json
 import re
 import tomllib
@@ -7,13 +8,14 @@ from base64 import urlsafe_b64encode
 from hashlib import sha256
 from importlib.metadata import Distribution
 from pathlib import Path
+from shlex import quote
 
 import pytest
 
 from sim.cli import main
 from sim.commands import doctor as packages
-from sim.commands.doctor import CHECKS, MUJOCO
-from sim.errors import FilesError
+from sim.commands.doctor import CHECKS, MUJOCO, Check
+from sim.errors import ExitCode, FilesError
 from sim.pictures import gl
 
 PROJECT = Path(__file__).resolve().parents[3] / "pyproject.toml"
@@ -139,7 +141,7 @@ def test_a_file_that_was_changed_after_its_installation_is_told(installed, damag
 
 
 @pytest.mark.parametrize(
-    "more", [None, b"simple/more.py\n", b"\n", b"\xff,,\n", b'"'], ids=str
+    "more", [None, b"simple/more.py\n", b"\n", b"\xff,,\n", b'"', b'a,,"1'], ids=str
 )
 def test_a_package_whose_files_nobody_listed_is_told(installed, more):
     record = installed / "simple_thing-1.2.dist-info" / "RECORD"
@@ -194,8 +196,11 @@ def test_the_package_itself_is_installed_anew_from_its_checkout(monkeypatch):
     monkeypatch.setattr(packages, "differences", lambda: iter(differ))
     with pytest.raises(FilesError) as told:
         packages._packages()
-    assert told.value.remedy.endswith(f" --no-deps --editable '{PROJECT.parent}'")
-    assert CHECKS["packages"].package == f"--editable '{PROJECT.parent}'"
+    anew = f"--editable {quote(str(PROJECT.parent))}"
+    assert told.value.remedy.endswith(f" --no-deps {anew}")
+    assert CHECKS["packages"].package == anew
+    gone = Check(lambda: importlib.import_module("sim.gone"), ExitCode.RENDER, "jinja2")
+    assert packages._examined(gone).repair.endswith(f" --force-reinstall {anew}")
 
 
 def test_the_engine_to_install_is_the_one_required():

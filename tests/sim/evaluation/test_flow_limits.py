@@ -31,6 +31,11 @@ def test_numbers_of_phases_are_below_a_billion():
         read(written([SWING._replace(end=1e9)]))
 
 
+def test_a_phase_is_as_planned_or_it_is_not():
+    with pytest.raises(ValueError, match="'2' is not in list"):
+        read(written([SWING]).replace(",1\n", ",2\n"))
+
+
 def test_phases_take_time():
     with pytest.raises(ValueError, match=r"flows\.csv has a phase that takes no time"):
         read(written([SWING, SWING._replace(start=1.0, end=1.0 + 1e-7)]))
