@@ -49,7 +49,7 @@ NAMED = {
     "a run folder": ("out", ("run", "line", "--out", "out"), 2),
     "a plan to be saved": ("out.json", ("plan", "biped", "--save", "out.json"), 2),
     "a run to be filmed": ("out", ("film", "out"), 2),
-    "a motion": ("a.csv", ("play", "hexapod", "a.csv", "--no-video"), 6),
+    "a motion": ("a.csv", ("play", "hexapod", "a.csv", "--no-video"), 2),
     "answers": ("a.txt", ("calibrate", "hexapod", "--answers", "a.txt"), 2),
 }
 
