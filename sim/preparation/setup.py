@@ -110,7 +110,7 @@ class Setup:
         try:
             learnt = Learnt.of(known) if known else None
         except ValueError as error:
-            raise UsageError.at("learnt", error) from error
+            raise UsageError.at("learnt", error, "give what a walk learnt") from error
         return Feedback(sensing, radius, Misses(), learnt)
 
     @property

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from planner import PlannerError
+from sim.errors import UsageError
 from sim.feedback.filter import NONE_MISSED, Learnt
 from sim.preparation.setup import prepare
 from sim.preparation.shared import Shared, no_cache
@@ -85,6 +86,13 @@ def test_replanned_walks_learn_where_something_is_to_be_learnt(setup, changes, l
     spread = np.diagonal(made.feedback().covariance)[3:6]
     assert (spread > 0).all() == learns
     assert (NONE_MISSED.bias == 0).all()
+
+
+def test_what_no_walk_has_learnt_is_refused_with_what_to_give(setup):
+    odd = (0.0,) * 12 + (-1.0,) * 78
+    said = "^the covariance must be .*: learnt; give what a walk learnt$"
+    with pytest.raises(UsageError, match=said):
+        with_settings(setup, replan=True, learnt=odd).feedback()
 
 
 def test_walks_aimed_beside_their_goal_go_there_evenly(setup):
