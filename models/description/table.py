@@ -23,7 +23,7 @@ _DEEP_KEY = re.compile(  # which tomllib reads in a time that grows with its squ
 
 
 def parse_toml(text: str) -> dict[str, Any]:
-    """Read TOML; ValueError for other text, deep nesting, numbers beyond 64 bits."""
+    """Read TOML; ValueError for other or long text, deep nesting, 65 bits and more."""
     if sum(map(text.count, "=,\n")) > MOST_SIGNS:
         raise ValueError(f"more than {MOST_SIGNS:,} lines, commas and equals signs")
     if _DEEP_KEY.search(text):

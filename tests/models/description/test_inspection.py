@@ -242,8 +242,8 @@ def test_a_compiled_model_leaves_room_for_its_states_and_its_pictures(
 
     A picture of it took 2.7 GB.
     """
-    said = f"with 1000 states and what is drawn, {gigabytes} GB, and 0.35 GB are the"
-    with pytest.raises(ModelError, match=f"too large: .*, {said}"):
+    said = f"1000 states and a quarter of what is drawn, {gigabytes} GB, and 0.35 GB"
+    with pytest.raises(ModelError, match=f"too large: .* {said}"):
         load(str(robot(more)))
 
 
