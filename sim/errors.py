@@ -181,7 +181,8 @@ def printable(text: str) -> str:
 
 def one_line(error: BaseException) -> str:
     """The error as `what: where; what to do`, on one line."""
-    line = printable(" ".join(_describe(error).split()))
+    lines = map(str.strip, _describe(error).split("\n"))
+    line = printable(" ".join(filter(None, lines)))
     if len(line) <= LONGEST_MESSAGE:
         return line
     half = LONGEST_MESSAGE // 2

@@ -9,6 +9,7 @@ import zipfile
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from fcntl import LOCK_EX, flock
 from math import prod
 from pathlib import Path
 from tempfile import TemporaryFile
@@ -213,6 +214,18 @@ def blamed_on(place: Path, remedy: str = "") -> Iterator[None]:
         what = "its files do not fit together, where --debug says"
         again = f"walk it again: {command('run', place / 'scenario.toml')}"
         raise UsageError(what, str(place), remedy or again) from error
+
+
+@contextmanager
+def alone_in(folder: Path) -> Iterator[None]:
+    """Wait until no other process is alone in a folder, where its disk has locks."""
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        with suppress(OSError):
+            flock(handle, LOCK_EX)
+        yield
+    finally:
+        os.close(handle)
 
 
 @contextmanager

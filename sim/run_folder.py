@@ -8,6 +8,7 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 
@@ -126,14 +127,8 @@ def run(
     """
     writer, own = Writer(folder), not any(folder.path.iterdir())
     try:
-        simulation = simulate(
-            scenario,
-            robot=robot,
-            progress=progress,
-            witness=writer,
-            without=without,
-            log=log,
-        )
+        tell: Any = {"progress": progress, "witness": writer}
+        simulation = simulate(scenario, robot=robot, without=without, log=log, **tell)
     except UsageError:  # which comes before anything is walked
         if own:
             shutil.rmtree(folder.path, ignore_errors=True)

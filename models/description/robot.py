@@ -127,15 +127,30 @@ class Robot:
         return self.swing_gain * swing[..., of_leg], self.raise_sign * lift[..., of_leg]
 
     def alternating(self, groups: Mapping[str, Mapping[int, float]]) -> "Robot":
-        """The robot with two other groups of legs and gains, which stand in turn."""
+        """The robot with two other groups of legs and gains, which stand in turn.
+
+        Its legs turn as far as they do in the groups that they leave.
+        """
         first, second = groups
         card = replace(
             self.card,
-            groups={name: GroupCard(legs) for name, legs in groups.items()},
+            groups={
+                g: GroupCard(own, swing=self._room(own)) for g, own in groups.items()
+            },
             gait=(both := first + second, first, both, second, both),
             patterns={},
         )
         return replace(self, card=card)
+
+    def _room(self, legs: Mapping[int, float]) -> tuple[float, float] | None:
+        """How far legs of certain gains turn before they may touch others [rad]."""
+        ends = [
+            sorted(group.legs[leg] / legs[leg] * end for end in group.swing)
+            for group in self.card.groups.values()
+            for leg in group.legs.keys() & legs.keys()
+            if group.swing
+        ]
+        return (max(e[0] for e in ends), min(e[1] for e in ends)) if ends else None
 
     def planted(self, stratum: str) -> np.ndarray:
         """Which feet are in contact on a stratum, shape (F,), bool."""

@@ -177,9 +177,7 @@ class Table:
         except ValueError as error:
             raise ValueError(f"{self.where}: {error}") from error
 
-    def _of(
-        self, kind: str, key: str, fits: Fits, otherwise: object | None = None
-    ) -> Any:
+    def _of(self, kind: str, key: str, fits: Fits, otherwise: object = None) -> Any:
         if otherwise is not None and key not in self.values:
             return otherwise
         value = self.get(key)

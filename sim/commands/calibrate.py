@@ -19,7 +19,7 @@ from sim.export import calibration
 from sim.export.header import write_header
 from sim.export.servo_table import BUS_NUMBERS, servo_table
 from sim.export.source import write_table
-from sim.folder import RunFolder, ensure_folder, require_free, whole
+from sim.folder import RunFolder, alone_in, ensure_folder, require_free, whole
 from sim.templates import render
 
 BOARD_CHANNELS = range(16)
@@ -155,22 +155,30 @@ def _calibrated(
         rate, assumed = kind.command_rate, clock or description.BOARD_CLOCK
         divider = card.board_divider or pulse * description.board_divider(rate, assumed)
         for joint, servo in _found(robot, kind, known, divider, ask):
-            text = description.card_text(file)  # which an owner may have changed
-            there = description.parse_card(text, str(file))
-            taken = {one.channel for one in there.mounted.values()}
-            if servo.channel in taken or joint in there.mounted:
-                raise UsageError.of("other_channel", file, joint=joint, on=again())
-            limits = there.joint_servos.get(joint, JointServo()).limits
-            servos = {**there.joint_servos, joint: replace(servo, limits=limits)}
-            if "clock" in description.parse_toml(text).get("board", {}):
-                clock = there.board_clock
-            with whole(file.resolve()) as part:  # it may be a link
-                text = calibration.card_with(text, servos, clock, divider)
-                part.write_text(text, "utf-8")
-            known = {**there.mounted, joint: servo}
+            known = _mounted(file, joint, servo, clock, divider)
     out = [] if folder.path == Path(OUT) else ["--out", folder.path]
     check = command("calibrate", robot.path, "--check", *out)
     return {"card": f"{file}, {len(known)} servos", "next": check}
+
+
+def _mounted(
+    file: Path, joint: str, servo: JointServo, clock: float | None, divider: int
+) -> dict[str, JointServo]:
+    """Add a servo to a card, which others may have changed; all that it has then."""
+    with alone_in(file.resolve().parent):  # the card may be a link
+        text = description.card_text(file)
+        there = description.parse_card(text, str(file))
+        taken = {one.channel for one in there.mounted.values()}
+        if servo.channel in taken or joint in there.mounted:
+            raise UsageError.of("other_channel", file, joint=joint, on=again())
+        limits = there.joint_servos.get(joint, JointServo()).limits
+        servos = {**there.joint_servos, joint: replace(servo, limits=limits)}
+        if "clock" in description.parse_toml(text).get("board", {}):
+            clock = there.board_clock
+        with whole(file.resolve()) as part:
+            text = calibration.card_with(text, servos, clock, divider)
+            part.write_text(text, "utf-8")
+    return {**there.mounted, joint: servo}
 
 
 def _clock(ask: "_Asker") -> float | None:

@@ -184,7 +184,7 @@ class Link:
             except OSError as error:
                 what, remedy = "the robot stopped listening", "start it and drive again"
                 if not isinstance(error, BrokenPipeError):
-                    what = f"{self.commands.name} takes no commands, {error.strerror}"
+                    what = f"commands cannot be sent, {error.strerror}"
                     remedy = "give --commands another name"
                 raise FilesError(what, f"t = {when:.2f} s", remedy) from error
 

@@ -34,16 +34,12 @@ def robots(options: argparse.Namespace) -> None:
         cli.report(options, found, render("robot.txt", **found))
         return
     cards = {name: models.load(name).card for name in models.shipped_robots()}
-    facts = [
-        {
-            "name": name,
-            "description": card.description,
-            "legs": sorted(card.legs),
-            "groups": {group: sorted(of.legs) for group, of in card.groups.items()},
-            "gait": list(card.gait),
-        }
-        for name, card in cards.items()
-    ]
+    facts = []
+    for name, card in cards.items():
+        groups = {group: sorted(of.legs) for group, of in card.groups.items()}
+        said = {"name": name, "description": card.description}
+        more = {"groups": groups, "gait": list(card.gait)}
+        facts.append(said | {"legs": sorted(card.legs)} | more)
     lines = (f"{n:20}{len(c.legs)} legs  {c.description}" for n, c in cards.items())
     cli.report(options, facts, *lines)
 

@@ -139,9 +139,13 @@ def study(options: argparse.Namespace) -> None:
             made: dict[str, object] = {"page": str(out)}
             lines = [f"{'page':8}{out}"]
         else:
-            drawn = maps.draw_maps(results.fitted(), folder)
+            drawn = maps.draw_maps(
+                results.fitted(), folder, new=options.out is not None
+            )
             made = {"maps": [str(path) for path in drawn]}
             lines = [f"{'map':8}{path}" for path in drawn]
+    if (left := len(maps.mapped(results)) - maps.MOST_MAPS) > 0:
+        cli.notice(f"pairs of settings that vary and have no map: {left}")
     cli.report(options, asdict(found) | made, found, *lines)
 
 

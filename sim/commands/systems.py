@@ -50,17 +50,10 @@ def systems(options: argparse.Namespace) -> None:
     for name in SYSTEMS if asked is None else (asked,):
         of, given = shipped_system(name), parameters(name)
         state = [str(symbol) for symbol in of.system.state]
-        fact = {
-            "name": name,
-            "description": of.description,
-            "parameters": given,
-            "state": state,
-            "strata": {s: list(fields) for s, fields in of.system.strata.items()},
-            "gait": of.gait,
-            "elements": of.elements,
-            "goal": of.goal,
-        }
-        facts.append(fact)
+        strata = {s: list(fields) for s, fields in of.system.strata.items()}
+        told = {"name": name, "description": of.description, "parameters": given}
+        more = {"gait": of.gait, "elements": of.elements, "goal": of.goal}
+        facts.append(told | {"state": state, "strata": strata} | more)
         lines += [f"{name:18}{of.description}"]
         lines += [f"{'':18}coordinates {', '.join(state)}"] if asked else []
         if pairs := ", ".join(f"{k}={json.dumps(v)}" for k, v in given.items()):

@@ -9,7 +9,7 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from statistics import median
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -96,15 +96,9 @@ def _walk(
             cli.notice(line)
         try:
             with bar(quiet=options.json) as progress:
-                summary = run(
-                    scenario,
-                    folder,
-                    robot=robot,
-                    look=look,
-                    progress=progress,
-                    warn=partial(cli.notice, kind="warning"),
-                    log=log,
-                )
+                warn = partial(cli.notice, kind="warning")
+                tell: Any = {"progress": progress, "warn": warn}
+                summary = run(scenario, folder, robot=robot, look=look, log=log, **tell)
         finally:
             folder.discard_if_empty()
         lines = [quantities.describe(summary), "", f"{'folder':13}{folder.path}"]

@@ -1,6 +1,6 @@
 """The phases of a walk as they were carried out, and flows.csv, which lists them."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from math import pi
 from typing import Any, NamedTuple, get_args, get_type_hints
 
@@ -51,9 +51,7 @@ def read(text: str) -> tuple[WalkedPhase, ...]:
     rows = csv_rows(text, "flows.csv")
     if [row["index"] for row in rows] != [*map(str, range(len(rows)))]:
         raise ValueError("flows.csv does not number its phases from 0")
-    phases = tuple(
-        WalkedPhase(*(kind(row[key]) for key, kind in KINDS.items())) for row in rows
-    )
+    phases = tuple(map(_phase, rows))
     if not phases:
         raise ValueError("flows.csv lists no phase")
     numbers = [number for p in phases for number in (p.start, p.end, p.amount, p.slip)]
@@ -68,6 +66,14 @@ def read(text: str) -> tuple[WalkedPhase, ...]:
     if moments != sorted(moments) or segments != sorted(segments):
         raise ValueError("flows.csv has phases out of their order")
     return phases
+
+
+def _phase(row: Mapping[str, str]) -> WalkedPhase:
+    try:
+        return WalkedPhase(*(kind(row[key]) for key, kind in KINDS.items()))
+    except ValueError as error:
+        what = f"phase {row['index']} of flows.csv cannot be read, {error}"
+        raise ValueError(what) from error
 
 
 def require_known(phases: Iterable[WalkedPhase], card: Card) -> None:

@@ -143,10 +143,11 @@ def _astray(evidence: Evidence, judged: Array) -> str:
 
 
 def _slipped(walk: Walk, predicted: Prediction, weighed: Weighed) -> Found:
-    """Whether feet slid farther than predicted, and the body with them."""
+    """Whether feet slid so much farther than predicted that the body did with them."""
     slip, foreseen = standing_slip(walk), standing_slip(walk, predicted.slip)
     more, expected = float((slip - foreseen).sum()), float(foreseen.sum())
-    if weighed.ended <= NEAR or more <= SLIPPED * expected:
+    least = max(SLIPPED * expected, NEAR * weighed.length)
+    if weighed.ended <= NEAR or more <= least:
         return None
     leg = walk.setup.robot.legs[int((slip - foreseen).argmax())]
     slid = f"its feet slid {1e3 * (expected + more):.1f} mm"

@@ -92,12 +92,7 @@ def _servo(given: Table) -> tuple[str, JointServo]:
     ends = sorted(
         offset + sign * (count - center) * turned / ticks for count in (0, ticks - 1)
     )
-    return str(given.get("name")), given.make(
-        JointServo,
-        channel=given.whole("id"),
-        sign=sign,
-        center=center,
-        offset=offset,
-        counts_per_radian=ticks / turned,
-        limits=(ends[0], ends[1]),
-    )
+    numbers = {"sign": sign, "offset": offset, "center": center}
+    numbers |= {"channel": given.whole("id"), "counts_per_radian": ticks / turned}
+    limits = ends[0], ends[1]
+    return str(given.get("name")), given.make(JointServo, limits=limits, **numbers)

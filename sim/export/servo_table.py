@@ -135,12 +135,13 @@ def servo_table(
     """
     known = card.joint_servos if given is None else given
     on_bus = make is not None and make.signal == "bus"
-    if make and pwm is False and given is None and not on_bus:
+    ours = pwm is False and given is None  # counts of the card, taken as ticks
+    if ours and make and not on_bus:
         known = {  # whose counts are of pulses, and no ticks
             joint: replace(servo, center=None, counts_per_radian=None)
             for joint, servo in known.items()
         }
-    elif on_bus and pwm is False and given is None and card.board_divider and known:
+    elif ours and card.board_divider and known:
         raise UsageError.of("no_ticks", "the robot's card")
     if on_bus and pwm:
         for joint in joints:  # a bus gives no pulses, so theirs must be known

@@ -107,11 +107,9 @@ def _searched(
     return float(costs.min()), each, whole
 
 
-def _unlikely(
-    commanded: Commanded, rows: Array, measured: Array, tried: Array
-) -> Array:
+def _unlikely(commanded: Commanded, rows: Array, angles: Array, tried: Array) -> Array:
     """Logarithms of how unlikely variants of servos are, (V, P, 6), shape (V, P)."""
-    left = measured - commanded.answers(tried, rows)
-    count = np.isfinite(measured).sum(axis=0)
+    left = angles - commanded.answers(tried, rows)
+    count = np.isfinite(angles).sum(axis=0)
     squares = np.nansum(left**2, axis=1) / np.maximum(count, 1) + LEAST_NOISE**2
     return np.asarray(count / 2 * np.log(squares))

@@ -11,18 +11,8 @@ from sim import palette
 from sim.evaluation.quantities import ROWS, number
 from sim.motion.poses import lean_of
 from sim.palette import ACHIEVED, PREDICTED, Style
-from sim.reports.drawing import (
-    DETAIL,
-    NOTES,
-    Drawing,
-    Key,
-    add_band,
-    extremes,
-    extremes_between,
-    finish,
-    sheet,
-    stretches,
-)
+from sim.reports import drawing
+from sim.reports.drawing import Drawing, Key
 from sim.runs.run import Run
 from sim.scenarios.predictions import PREDICTIONS
 
@@ -77,24 +67,24 @@ def _curves(
     Curves of long walks have bands of their extremes as well, which the page shows
     until it is zoomed. The axis begins at the bottom if given.
     """
-    starts = stretches(run)
+    starts = drawing.stretches(run)
     edges = np.append(run.time[starts], run.time[-1])
     keys = [key for *_, key in curves if key]
-    with sheet(1.55) as (figure, axes):  # [in]
+    with drawing.sheet(1.55) as (figure, axes):  # [in]
         for values, style, _ in curves:
-            rows = extremes(values)
+            rows = drawing.extremes(values)
             combed = run.segments >= COMB and _falls(values)
-            gid = DETAIL if combed else None
+            gid = drawing.DETAIL if combed else None
             axes.plot(run.time[rows], values[rows], gid=gid, **style)
             if combed:
-                low, high = extremes_between(values, starts)
-                add_band(axes, edges, low, high, str(style["color"]))
+                low, high = drawing.extremes_between(values, starts)
+                drawing.add_band(axes, edges, low, high, str(style["color"]))
         for height, (dashes, label) in (limits or {}).items():
             axes.axhline(height, color=LIMIT, ls=dashes, lw=1.0)
             keys.append(Key(label, LIMIT, DOTTED if dashes == ":" else DASHED))
         axes.set_xlim(run.time[0], run.time[-1])
         axes.set_ylim(bottom=bottom)
-        return finish(figure, heading, keys, note)
+        return drawing.finish(figure, heading, keys, note)
 
 
 def _falls(values: Array) -> bool:
@@ -152,9 +142,9 @@ def _slip(run: Run) -> Drawing:
         ):
             together = MM * run.arrays[name][:, owners == i].sum(axis=1)
             curves.append((together, style, own))
-    note = NOTES["slip"].format(label=best.label)
+    note = drawing.NOTES["slip"].format(label=best.label)
     if (floor := run.summary.achieved.creep_floor) is not None:
-        note += NOTES["creep"].format(floor=MM * floor)
+        note += drawing.NOTES["creep"].format(floor=MM * floor)
     heading = "Slip of each group's feet together, since the start [mm]"
     return _curves(run, heading, curves, note, bottom=0)
 
@@ -165,7 +155,7 @@ def _contacts(run: Run) -> Drawing:
     wrong = contact != run.arrays["planned_contact"]
     strata = sorted({p.stratum for p in run.phases}, key=lambda s: (-len(s), s))
     of_stratum = {s: _of_stratum(run, s, i) for i, s in enumerate(strata)}
-    with sheet(0.17 * (feet + 1.6) + 0.34) as (figure, axes):  # [in]
+    with drawing.sheet(0.17 * (feet + 1.6) + 0.34) as (figure, axes):  # [in]
         for i, leg in enumerate(run.legs):
             y = feet - i
             colour = palette.group(run.card.group_of_leg[leg]).hex
@@ -188,8 +178,8 @@ def _contacts(run: Run) -> Drawing:
             ("not as planned", LIMIT),
         ]
         keys = [Key(label, colour, filled=True) for label, colour in shown]
-        note = NOTES["contacts"]
-        return finish(figure, "Contacts of the feet, and strata", keys, note)
+        note = drawing.NOTES["contacts"]
+        return drawing.finish(figure, "Contacts of the feet, and strata", keys, note)
 
 
 def _bars(axes: "Axes", spells: Array, y: float, high: float, colour: str) -> None:

@@ -72,10 +72,7 @@ class Settings:
         "learn from errors of segments; if not given, imperfect robots do", None, "plan"
     )
     sense: Literal["exact", "mocap", "tag", "gyro"] = setting(
-        "source of poses for replanning: the exact pose, a motion-capture system, "
-        "a camera with tags, or a gyroscope alone",
-        "exact",
-        "plan",
+        "poses for replanning: exact, or by mocap, a camera, or a gyro", "exact", "plan"
     )
     sense_position: Annotated[float, Range(0, 1)] | None = setting(
         "standard deviation of a reading of x and of y", None, "plan", "m"
@@ -102,10 +99,7 @@ class Settings:
         "share of stops whose reading is wrong by up to 0.1 m and 0.5 rad", 0.0, "plan"
     )
     gyro_noise: Annotated[float, Range(0, 1)] | None = setting(
-        "growth of a gyroscope's error; if not given, that of the sensor, if any",
-        None,
-        "plan",
-        "rad/sqrt(s)",
+        "growth of a gyro's error, else the sensor's", None, "plan", "rad/sqrt(s)"
     )
     gyro_drift: Annotated[float, Range(0, 1)] | None = setting(
         "standard deviation of its constant, unknown error", None, "plan", "rad/s"
@@ -179,9 +173,7 @@ class Settings:
         "dead band to allow for; dead_band if not given", None, "drive", "rad"
     )
     dead_band_law: Literal["offset", "step"] = setting(
-        "torque beyond the band: in proportion to the excess, or to the whole error",
-        "offset",
-        "world",
+        "torque beyond the band: of the excess or of the whole error", "offset", "world"
     )
     zero_offset: Annotated[float, Range(0, 0.2)] | tuple[Zero, ...] = imperfection(
         "largest random error of servos' zeros, or each error", 0.0, "drive", "rad"
@@ -197,10 +189,7 @@ class Settings:
         "angle of the floor, and the direction that goes down", None, "world", "rad"
     )
     floor_stiffness: Annotated[float, Range(100, 1e7)] | None = imperfection(
-        "stiffness of the floor's contact, as in MuJoCo's solref; 1e5 if not given",
-        None,
-        "world",
-        "1/s^2",
+        "stiffness of the floor, as in solref; 1e5 if not given", None, "world", "1/s^2"
     )
     foot_friction: tuple[Annotated[float, Range(0, 10)], ...] | None = imperfection(
         "coefficient of friction of each foot, in the order of the legs", None, "world"

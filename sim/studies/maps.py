@@ -46,34 +46,38 @@ UNITS = {
 """Of the numbers of a robot's shape; the others are lengths."""
 SHEET_HEIGHT = 3.2  # [in]
 ACROSS, LETTER = 70, 0.08  # letters beside one another; length of one [in]
-MOST_LABELS = 200  # at an axis
+MOST_LABELS, MOST_MAPS = 200, 12  # at an axis; of a table
 MOST_SQUARES = 16  # beside one another, with a number in each that can be read
 EXTREMES = 5  # points among the best, and among the worst
 
 
-def draw_maps(results: Results, folder: Path) -> list[Path]:
-    """Files of maps over every two settings that vary, or a curve over a single one."""
+def draw_maps(results: Results, folder: Path, new: bool = False) -> list[Path]:
+    """Files of the maps of a table, which may have to be new."""
     drawn = []
     for keys, figure in figures(results):
         path = folder / f"{'-'.join(keys)}.png"
-        with whole(path) as part:
+        with whole(path, new=new) as part:
             figure.savefig(part, metadata={"Software": None})
         drawn.append(path)
     return drawn
 
 
+def mapped(results: Results) -> Sequence[tuple[str, ...]]:
+    """Every two settings that vary, or the only one."""
+    varying = [key for key in results.keys if len({*results.columns[key]}) > 1]
+    return list(combinations(varying, 2)) or [(key,) for key in varying]
+
+
 def figures(
     results: Results, fonts: str = "path"
 ) -> "Iterator[tuple[tuple[str, ...], Figure]]":
-    """Settings and map of every two that vary, or of one, for SVG with its fonts."""
+    """Settings and maps, or the curve over a single one, for SVG with its fonts."""
     import matplotlib as mpl
 
-    varying = [key for key in results.keys if len({*results.columns[key]}) > 1]
-    pairs: Sequence[tuple[str, ...]] = list(combinations(varying, 2))[:12]
     style = {**STYLE, "svg.fonttype": fonts, "text.parse_math": False}  # as in `a$b$`
     with mpl.rc_context(style), catch_warnings():
         filterwarnings("ignore", "Glyph", UserWarning)  # names in any script
-        for keys in pairs or [(key,) for key in varying]:
+        for keys in mapped(results)[:MOST_MAPS]:
             figure, axes = sheet_of("a", SHEET_HEIGHT)
             (_draw_map if len(keys) == 2 else _draw_curve)(axes["a"], results, *keys)
             _legend(axes["a"], results)

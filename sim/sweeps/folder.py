@@ -133,7 +133,9 @@ class About:
         Machines may differ in what makes no number another one, such as their kernels.
         """
         software = differences(*alike(self.software, other.software))
-        return differences(self.asked, other.asked) + software
+        orders = [{"order": [*about.asked["vary"]]} for about in (self, other)]
+        asked = differences(self.asked, other.asked) or differences(*orders)
+        return asked + software
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,7 @@ effect. Dead bands of servos are added by `dead_bands`.
 """
 
 from collections.abc import Sequence
-from math import atan, cos, degrees, sin, tan
+from math import atan, cos, radians, sin, tan
 from typing import Any
 
 import mujoco
@@ -25,6 +25,9 @@ RUBBED = 1e-3  # [N m s/rad]; damping of it
 # as light as ours; these like one of some 5,000. Ten times harder ones rattle while the
 # robot stands, and the solver takes three times as many iterations.
 STOP = (0.002, 1.0)  # solref: time [s] and damping ratio
+GIVEN = {n for n, p in vars(mujoco.MjsJoint).items() if getattr(p, "fset", None)}
+GIVEN -= {"name", "classname"}  # the rest of what a file gives a joint
+ANGLES = ("range", "ref", "springref")
 HARD = (0.999, 0.999, 0.001, 0.5, 2.0)  # solimp
 
 
@@ -136,11 +139,32 @@ def add_loose(
 ) -> None:
     """Another joint about the axis of a joint, between stops a width apart [rad]."""
     joint = spec.joint(name)
+    names = [other.name for other in joint.parent.joints]
     own |= {"type": mujoco.mjtJoint.mjJNT_HINGE, "pos": joint.pos, "axis": joint.axis}
-    own |= {"name": prefix + joint.name, "limited": True, "solref_limit": STOP}
-    loose = joint.parent.add_joint(spec.default, **own)  # not that of the joint's body
-    far = degrees(width / 2) if loose.compiler.degree else width / 2
-    loose.range = [-far, far]
+    own |= {"name": prefix + name, "limited": True, "solref_limit": STOP}
+    loose = _joint(spec, joint, own)
+    loose.range = np.array([-0.5, 0.5]) * width / _unit(loose)
+    for later in names[names.index(name) + 1 :]:  # whose axes the loose joint turns too
+        old = spec.joint(later)
+        new = _joint(spec, old, {key: getattr(old, key) for key in GIVEN})
+        for field in ANGLES * (old.type != mujoco.mjtJoint.mjJNT_SLIDE):
+            scaled = np.multiply(_unit(old) / _unit(new), getattr(old, field))
+            setattr(new, field, scaled)
+        spec.delete(old)
+        new.name = later
+
+
+def _joint(spec: mujoco.MjSpec, like: mujoco.MjsJoint, own: Any) -> mujoco.MjsJoint:
+    """A new joint in the body and frame of another one, the last of that body."""
+    added = like.parent.add_joint(spec.default, **own)  # not the default of the body
+    if like.frame:
+        added.set_frame(like.frame)
+    return added
+
+
+def _unit(joint: mujoco.MjsJoint) -> float:
+    """The unit of a joint's angles, as its file has them [rad]."""
+    return radians(1) if joint.compiler.degree else 1.0
 
 
 def turned(

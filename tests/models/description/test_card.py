@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import pytest
 
+from models import load
 from models.description.card import Card, GroupCard, LegCard
 from models.description.card_file import card_text
 from models.errors import ModelError
@@ -46,3 +47,18 @@ def test_a_card_has_a_megabyte_at_most(tmp_path):
     path.write_text("#" * (10**6 + 1))
     with pytest.raises(ModelError, match="^bad robot card: .*; larger than 1 MB$"):
         card_text(path)
+
+
+def test_legs_that_are_grouped_anew_turn_as_far_as_in_the_groups_that_they_leave():
+    robot = load("hexapod")
+    groups = {
+        "1": GroupCard({1: 1.0, 4: -1.0, 5: 1.0}, swing=(-0.1, 0.2)),
+        "2": GroupCard({2: 1.0, 3: 0.5, 6: 1.0}),
+    }
+    robot = replace(robot, card=replace(robot.card, groups=groups))
+    made = robot.alternating({"a": {1: 1.0, 2: 1.0, 3: 1.0}, "b": {4: 1, 5: 2, 6: 1}})
+    assert made.card.groups["a"].swing == (-0.1, 0.2)  # of leg 1 alone
+    assert made.card.groups["b"].swing == (-0.05, 0.1)  # of both, 4 turned round
+    assert made.swing_range["a"] == (-0.1, 0.2)
+    plain = robot.alternating({"a": {2: 1.0, 3: 1.0, 6: 1.0}, "b": {1: 1, 4: 1, 5: 1}})
+    assert plain.card.groups["a"].swing is None

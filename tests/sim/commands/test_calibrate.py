@@ -1,8 +1,11 @@
 """`stratawalk calibrate` between two sessions: what an owner has changed meanwhile."""
 
 import io
+import os
 import re
 import shutil
+from contextlib import contextmanager
+from fcntl import LOCK_EX, LOCK_NB, flock
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -10,6 +13,7 @@ import pytest
 
 from models.description import FOLDER
 from sim.cli import main
+from sim.export import calibration
 
 MG90 = '\n[servo]\nkind = "mg90"\n'
 
@@ -174,3 +178,39 @@ def test_pictures_of_axes_that_were_turned_round_since_are_not_gone_on_with(
     turned = robot.read_text().replace('axis="0 0 1"', 'axis="0 0 -1"')
     robot.write_text(turned)
     assert f"already exists: {out / 'index.html'}" in answered(robot, "--out", out)
+
+
+def test_of_two_calibrations_of_one_card_one_alone_writes_at_a_time(
+    answered, tmp_path, monkeypatch
+):
+    for name in ("scene.xml", "quadruped.xml"):
+        shutil.copy(FOLDER / name, tmp_path)
+    (tmp_path / "quadruped.toml").write_text(
+        (FOLDER / "quadruped.toml").read_text() + MG90
+    )
+    card_with, kept_out = calibration.card_with, []
+
+    def watched(text, servos, *given):
+        if any(servo.center for servo in servos.values()):  # a card that is written
+            with pytest.raises(BlockingIOError), opened(tmp_path) as folder:
+                flock(folder, LOCK_EX | LOCK_NB)
+            kept_out.append(len(servos))
+        return card_with(text, servos, *given)
+
+    monkeypatch.setattr(calibration, "card_with", watched)
+    file = tmp_path / "answers.txt"
+    file.write_text("\nswing_1\n+\n321\n421\n-\n")
+    robot = tmp_path / "quadruped.xml"
+    answered(robot, "--out", tmp_path / "c", "--answers", file)
+    assert kept_out
+    with opened(tmp_path) as folder:
+        flock(folder, LOCK_EX | LOCK_NB)  # which is free again
+
+
+@contextmanager
+def opened(folder):
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        yield handle
+    finally:
+        os.close(handle)

@@ -226,7 +226,7 @@ def test_a_pipe_that_may_be_waited_for_is_named(tmp_path, capsys, mode, other):
 
 def test_what_takes_no_commands_is_named(capsys):
     assert main([*way(), "--poses", os.devnull, "--commands", "/dev/full"]) == 6
-    said = "/dev/full takes no commands, No space left on device: t = 0.00 s; give"
+    said = "commands cannot be sent, No space left on device: t = 0.00 s; give"
     assert said in capsys.readouterr().err
 
 

@@ -105,9 +105,12 @@ def test_the_way_counts_less_where_the_end_is_good(evidence, farthest, ended, wo
         )
 
 
-@pytest.mark.parametrize(("more", "word"), [(0.09, "arrived"), (0.11, "slipped")])
+@pytest.mark.parametrize(
+    ("more", "length", "word"),
+    [(0.09, 0.01, "arrived"), (0.11, 0.01, "slipped"), (0.11, 10.0, "arrived")],
+)
 def test_a_tenth_more_slip_than_predicted_is_told_where_the_body_slid_too(
-    evidence, more, word
+    evidence, more, length, word
 ):
     """Of feet that stand while legs swing; the worst leg is named."""
     walk, best = evidence.walk, evidence.best
@@ -116,7 +119,8 @@ def test_a_tenth_more_slip_than_predicted_is_told_where_the_body_slid_too(
     slip = walk.recording.moments.slip * ratio
     moments = walk.recording.moments._replace(slip=slip)
     slid = with_recording(
-        weighed(evidence, ended=0.03, goal=None, farthest=0.03), moments=moments
+        weighed(evidence, ended=0.03, goal=None, farthest=0.03, length=length),
+        moments=moments,
     )
     found = verdict(slid)
     assert found.word == word

@@ -103,8 +103,9 @@ def test_counts_of_pulses_are_no_ticks():
     assert {(s.center, s.counts_per_radian) for s in made.channels} == {
         (2048, 2048 / np.pi)
     }
-    with pytest.raises(UsageError, match="counts of its servos are of pulses"):
-        servo_table(card, JOINTS, SERVO_KINDS["xl-330"], False)
+    for made in (SERVO_KINDS["xl-330"], None):  # a bus, and servos of no make
+        with pytest.raises(UsageError, match="counts of its servos are of pulses"):
+            servo_table(card, JOINTS, made, False)
     assert servo_table(card, JOINTS, SERVO_KINDS["xl-330"], None).joints == JOINTS
     given = {j: JointServo(channel=n) for n, j in enumerate(JOINTS, 1)}
     assert servo_table(card, JOINTS, SERVO_KINDS["xl-330"], False, given).channels

@@ -26,7 +26,9 @@ def test_thinned_curves_keep_the_extremes_of_every_stretch():
 @pytest.mark.physics
 def test_an_axis_begins_where_it_is_told_to(walked, monkeypatch):
     run = read_run(walked)
-    monkeypatch.setattr(panels, "finish", lambda figure, *_: figure.axes[0].get_ylim())
+    monkeypatch.setattr(
+        panels.drawing, "finish", lambda figure, *_: figure.axes[0].get_ylim()
+    )
     curves = [(np.linspace(1.0, 2.0, len(run.time)), {}, None)]
     low, _ = panels._curves(run, "", curves, bottom=0)
     assert low == 0

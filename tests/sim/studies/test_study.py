@@ -108,6 +108,28 @@ def test_maps_are_drawn_behind_no_link_that_nobody_named(folder, tmp_path, capsy
     assert main(["study", str(folder), "--out", str(folder / "maps")]) == 0
 
 
+def test_maps_of_another_table_are_kept_in_a_folder_that_is_named(folder, capsys):
+    (there := folder / "pictures").mkdir()
+    (other := there / "friction-play.png").write_bytes(b"mine")
+    assert main(["study", str(folder), "--out", str(there)]) == 2
+    assert f"already exists: {other}; give another name" in capsys.readouterr().err
+    assert other.read_bytes() == b"mine"
+    assert [*there.iterdir()] == [other]
+
+
+def test_pairs_of_settings_of_which_no_map_is_drawn_are_counted(
+    folder, capsys, monkeypatch
+):
+    monkeypatch.setattr(maps, "MOST_MAPS", 3)
+    assert main(["study", str(folder)]) == 0
+    assert "have no map" not in capsys.readouterr().err
+    monkeypatch.setattr(maps, "MOST_MAPS", 2)
+    assert main(["study", str(folder)]) == 0
+    said = capsys.readouterr()
+    assert said.out.count("\nmap ") == 2
+    assert "pairs of settings that vary and have no map: 1" in said.err
+
+
 def test_the_page_fits_its_classes_and_links_the_worst_and_the_best(
     folder, tmp_path, monkeypatch
 ):
