@@ -8,7 +8,7 @@ from contextlib import suppress
 from difflib import get_close_matches
 from functools import partial
 from itertools import dropwhile, takewhile
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from planner.support import did_you_mean
 from sim.commands.declared import ABOUT, COMMANDS, GUESSES, declare
@@ -47,6 +47,10 @@ class Parser(argparse.ArgumentParser):
         why = re.sub("expected .*argument", "needs a value after it", why)
         why = why.replace("ignored explicit argument", "takes no value, but was given")
         raise UsageError.at(name, ValueError(why), self.epilog or f"see {self.prog} -h")
+
+    def print_help(self, file: Any = None) -> None:
+        """Print it; argparse's own way passes over a full disk."""
+        print(self.format_help(), end="", file=file)
 
     def parse_known_args(  # type: ignore[override]
         self,

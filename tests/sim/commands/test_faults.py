@@ -101,6 +101,13 @@ def test_a_full_disk_under_the_output_is_a_fault_of_files(stratawalk, words):
     assert (refusal(done) == said) == (words[1] == "biped")
 
 
+def test_help_that_a_full_disk_does_not_take_is_lost_with_a_word(stratawalk):
+    with open("/dev/full", "w") as full:
+        done = stratawalk("help", "run", stdout=full)
+    assert done.returncode == 6
+    assert refusal(done).startswith("No space left on device: standard output; ")
+
+
 def test_what_is_written_need_not_be_started_again(stratawalk, folder, tmp_path):
     """A full disk takes its words alone."""
     to = ["--format", "csv", "--no-play", "--out", str(tmp_path / "walk.csv")]
