@@ -146,7 +146,8 @@ def servo_table(
     if on_bus and pwm:
         for joint in joints:  # a bus gives no pulses, so theirs must be known
             servo = known.get(joint, JointServo())
-            if servo.counts_per_radian is None or servo.center is None:
+            divider = given or card.board_divider  # which ticks do not have
+            if not all((servo.counts_per_radian, servo.center, divider)):
                 raise UsageError.of("bus", "the robot's card", joint=joint)
     if pwm is not None and (make is None or (make.signal == "pulse") != pwm):
         make = PWM if pwm else None

@@ -111,6 +111,21 @@ def test_counts_of_pulses_are_no_ticks():
     assert servo_table(card, JOINTS, SERVO_KINDS["xl-330"], False, given).channels
 
 
+def test_ticks_of_a_bus_are_no_pulses():
+    servos = {j: JointServo(center=512.0, counts_per_radian=195.6) for j in JOINTS}
+    card = SimpleNamespace(joint_servos=servos, board_clock=25e6, board_divider=0)
+    bus = SERVO_KINDS["ax-12"]
+    assert {s.center for s in servo_table(card, JOINTS, bus, False).channels} == {512}
+    with pytest.raises(UsageError, match="servos on a bus take no pulses, and joint"):
+        servo_table(card, JOINTS, bus, True)
+    card = SimpleNamespace(joint_servos=servos, board_clock=25e6, board_divider=102)
+    card.servo = None
+    pulses = servo_table(card, JOINTS, bus, True, rate=60.0)
+    assert {s.joint for s in pulses.channels} == {*JOINTS}
+    given = servo_table(card, JOINTS, bus, True, servos, 60.0)  # a table says what
+    assert {s.center for s in given.channels} == {512}
+
+
 def test_angles_are_in_the_order_of_channels():
     given = {"one": JointServo(channel=9), "other": JointServo(channel=2)}
     made = table(given=given)
