@@ -103,14 +103,9 @@ def card_text(
     servo: Servo | None,
 ) -> str:
     """Card of a robot that starts at angles [rad]; the servo is for joints without."""
+    found = {"pose": pose, "limbs": limbs, "gait": gait, "angles": angles}
     return template_of(Path(__file__).with_name("card.toml.jinja")).render(
+        found | {"servo": servo, "key": toml_key, "text": toml_text},
         lift_angle=drafted_lift(pose, limbs),
         lift_time=0.6,  # [s]; faster lifts shake off a foot that bears little
-        angles=angles,
-        limbs=limbs,
-        pose=pose,
-        gait=gait,
-        servo=servo,
-        key=toml_key,
-        text=toml_text,
     )

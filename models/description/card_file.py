@@ -10,19 +10,15 @@ from models.description.table import Table, parse_toml
 from models.errors import ModelError, message
 from planner.support import read_text
 
-KEYS = {
-    "description": (),
-    "lift_angle": (),
-    "lift_time": (),
+PLAIN = ("description", "lift_angle", "lift_time", "start", "fitted")
+KEYS: dict[str, tuple[str, ...]] = dict.fromkeys(PLAIN, ()) | {
     "leg": ("swing", "lift", "raise", "foot", "hold"),
     "group": ("legs", "twist", "swing"),
     "gait": ("strata", "least_load"),
     "pattern": ("strata", "groups", "twist"),
     "servo": ("stiffness", "damping", "kind", *NUMBERS),
     "board": ("clock", "divider"),
-    "start": (),
     "learnt": ("numbers",),
-    "fitted": (),
 }
 JOINT_SERVO_KEYS = tuple(item.name for item in fields(JointServo))
 
@@ -98,14 +94,10 @@ def _group(table: Table) -> card.GroupCard:
 
 
 def _leg(table: Table) -> card.LegCard:
-    return table.make(
-        card.LegCard,
-        swing=table.text("swing"),
-        lift=table.text("lift"),
-        foot=table.texts("foot"),
-        raise_sign=table.number("raise", 1),
-        hold=table.gains("hold"),
-    )
+    parts = {"foot": table.texts("foot"), "hold": table.gains("hold")}
+    joints = {key: table.text(key) for key in ("swing", "lift")}
+    raised = table.number("raise", 1)
+    return table.make(card.LegCard, raise_sign=raised, **joints, **parts)
 
 
 def _servo(servo: Table) -> card.Servo | None:

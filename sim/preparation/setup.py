@@ -267,18 +267,9 @@ def prepare(
         groups=robot.groups,
         gains=tuple(robot.largest_gain.tolist()),
     )
-    setup = Setup(
-        scenario=scenario,
-        robot=robot,
-        equations=described,
-        extended=extended,
-        kinematics=kinematics,
-        world=world,
-        model=model,
-        servo=servo_settings(scenario, robot.card),
-        limits=limits,
-        motion=None if log is None else Motion(log, robot, limits),
-    )
+    known = scenario, robot, described, extended, kinematics, world, model, limits
+    motion = None if log is None else Motion(log, robot, limits)
+    setup = Setup(*known, servo_settings(scenario, robot.card), motion)
     if setup.motion is None:
         model = (setup.as_planned if scenario.bumps else setup).model
         tried = kinematics, model, lift, scenario, setup.with_imperfections

@@ -17,14 +17,20 @@ HALF = "out/runs/point-00000/half.npz"
 VARIES = "[grid]\nfriction = [1.0]\n[keep]\npoints = [0]\nfilm = {film}\n"
 
 
+def is_there(folder):
+    """What stands for a run that can be read, where nothing has walked."""
+    return (folder / "summary.json").exists()
+
+
 @pytest.fixture
-def walked(tmp_path, monkeypatch):
+def walks_again(tmp_path, monkeypatch):
     """Keep a point of which a run folder exists: names of the folders walked again."""
 
     def walk(film, *files):
         monkeypatch.setattr(
             sweeping, "run", lambda _, made, **how: done.append(made.path)
         )
+        monkeypatch.setattr(sweeping, "_is_whole", is_there)
         done = []
         sweep = read_sweep(str(write_sweep(tmp_path, VARIES.format(film=film))))
         runs = tmp_path / "out" / "runs" / "point-00000"
@@ -40,33 +46,33 @@ def walked(tmp_path, monkeypatch):
     return walk
 
 
-def test_a_complete_folder_is_left_alone(walked):
-    assert walked("false") == ["point-00000"]
-    assert walked("false", "summary.json") == []
+def test_a_complete_folder_is_left_alone(walks_again):
+    assert walks_again("false") == ["point-00000"]
+    assert walks_again("false", "summary.json") == []
 
 
-def test_a_folder_of_what_the_point_was_before_is_walked_anew(walked, tmp_path):
+def test_a_folder_of_what_the_point_was_before_is_walked_anew(walks_again, tmp_path):
     """Its keys have changed places in the file, or its robot was edited."""
     known = tmp_path / "out" / "runs" / "point-00000" / "point.json"
-    assert walked("false") == ["point-00000"]
-    assert walked("false", "summary.json") == []
+    assert walks_again("false") == ["point-00000"]
+    assert walks_again("false", "summary.json") == []
     known.write_text(known.read_text().replace('"of": "', '"of": "0'))
-    assert walked("false", "summary.json") == ["point-00000"]
+    assert walks_again("false", "summary.json") == ["point-00000"]
     for damaged in ("[]", "{", ""):
         known.write_text(damaged)
-        assert walked("false", "summary.json") == ["point-00000"]
+        assert walks_again("false", "summary.json") == ["point-00000"]
     known.unlink()
-    assert walked("false", "summary.json") == ["point-00000"]
+    assert walks_again("false", "summary.json") == ["point-00000"]
 
 
 def test_a_finished_walk_whose_film_is_missing_is_filmed_where_it_is(
-    walked, tmp_path, monkeypatch
+    walks_again, tmp_path, monkeypatch
 ):
     filmed, runs = [], tmp_path / "out" / "runs"
     monkeypatch.setattr(run_film, "film_folder", filmed.append)
-    assert walked("false") == ["point-00000"]
+    assert walks_again("false") == ["point-00000"]
     (runs / "point-00000" / "notes.md").write_text("mine")
-    assert walked("true", "summary.json") == []
+    assert walks_again("true", "summary.json") == []
     assert filmed == [runs / "point-00000"]
     assert (runs / "point-00000" / "notes.md").read_text() == "mine"
 
@@ -81,6 +87,7 @@ def test_a_walk_whose_film_fails_is_not_walked_again(tmp_path, monkeypatch):
 
     done = []
     monkeypatch.setattr(sweeping, "run", walk)
+    monkeypatch.setattr(sweeping, "_is_whole", is_there)
     monkeypatch.setattr(run_film, "film_folder", refuse)
     sweep = read_sweep(str(write_sweep(tmp_path, VARIES.format(film="true"))))
     given = points_of(sweep, Shard()), SweepFolder(tmp_path / "out")
@@ -92,40 +99,40 @@ def test_a_walk_whose_film_fails_is_not_walked_again(tmp_path, monkeypatch):
 
 
 def test_what_the_user_has_put_there_is_set_aside_and_an_unfinished_walk_removed(
-    walked, tmp_path
+    walks_again, tmp_path
 ):
     runs = tmp_path / "out" / "runs"
-    assert walked("false", "notes.md") == ["point-00000"]
-    assert walked("false", "summary.json", "notes.md", "scenario.toml") == []
+    assert walks_again("false", "notes.md") == ["point-00000"]
+    assert walks_again("false", "summary.json", "notes.md", "scenario.toml") == []
     (runs / "point-00000" / "point.json").unlink()
-    assert walked("false") == ["point-00000"]
+    assert walks_again("false") == ["point-00000"]
     assert {path.parent.name for path in runs.glob("*/notes.md")} == {
         "point-00000.1", "point-00000.2",
     }  # fmt: skip
-    assert walked("false", "scenario.toml") == ["point-00000"]
+    assert walks_again("false", "scenario.toml") == ["point-00000"]
     assert len([*runs.iterdir()]) == 3
 
 
-def test_one_process_at_a_time_makes_run_folders(walked, tmp_path):
+def test_one_process_at_a_time_makes_run_folders(walks_again, tmp_path):
     (tmp_path / "out").mkdir()
     busy = "is working on this sweep"
     with (
         sole_owner(SweepFolder(tmp_path / "out").lock),
         pytest.raises(FilesError, match=busy),
     ):
-        walked("false", "half.npz")
+        walks_again("false", "half.npz")
     assert [*tmp_path.glob("out/runs/*/*")] == [tmp_path / HALF]
-    assert walked("false") == ["point-00000"]
+    assert walks_again("false") == ["point-00000"]
 
 
-def test_nothing_is_removed_or_written_behind_a_link(walked, tmp_path):
+def test_nothing_is_removed_or_written_behind_a_link(walks_again, tmp_path):
     precious = tmp_path / "outside" / "point-00000" / "thesis.txt"
     precious.parent.mkdir(parents=True)
     precious.touch()
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "runs").symlink_to(tmp_path / "outside")
     with pytest.raises(UsageError, match="is a link, which may lead anywhere"):
-        walked("false")
+        walks_again("false")
     assert precious.exists()
 
 
@@ -157,3 +164,14 @@ def test_a_full_disk_is_no_matter_of_one_point(tmp_path, monkeypatch):
     sweep = read_sweep(str(write_sweep(tmp_path, VARIES.format(film="false"))))
     with pytest.raises(FilesError, match="the disk is full"):
         write_run_folders(points_of(sweep, Shard()), SweepFolder(tmp_path / "out"))
+
+
+@pytest.mark.physics
+def test_a_run_that_was_changed_since_is_none_that_is_left_alone(folder):
+    assert sweeping._is_whole(folder)
+    summary = folder / "summary.json"
+    before = summary.read_text()
+    summary.write_text(before.replace('"bounces": 0', '"bounces": 1'))
+    assert summary.read_text() != before
+    assert not sweeping._is_whole(folder)
+    assert not sweeping._is_whole(folder / "none")
