@@ -3,7 +3,7 @@
 from bisect import bisect_left
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import accumulate, chain, pairwise
 
 import numpy as np
@@ -226,19 +226,11 @@ def assemble(
 ) -> Plan:
     """The plan for given Hall coordinates (step 5 of Sec. 5.2); shapes as in `Plan`."""
     ordered = execution.flows(extended, hall_coordinates, nominal)
-    return Plan(
-        system=extended.system,
-        elements=extended.elements,
-        basis=extended.steering.basis,
-        flows=tuple(chain.from_iterable(ordered)),
-        segment_ends=tuple(accumulate(map(len, ordered))),
-        inputs=inputs,
-        hall_coordinates=hall_coordinates,
-        nominal=nominal,
-        depart=execution.depart or extended.system.bottom,
-        arrive=execution.arrive or extended.system.bottom,
-        gait=execution.gait,
-    )
+    basis, elements = extended.steering.basis, extended.elements
+    made = plan_of_flows(extended.system, elements, ordered, nominal, basis)
+    depart, arrive = execution.depart or made.depart, execution.arrive or made.arrive
+    made = replace(made, depart=depart, arrive=arrive, gait=execution.gait)
+    return replace(made, inputs=inputs, hall_coordinates=hall_coordinates)
 
 
 def plan_of_flows(
