@@ -72,8 +72,9 @@ def _phase(row: Mapping[str, str]) -> WalkedPhase:
     try:
         return WalkedPhase(*(kind(row[key]) for key, kind in KINDS.items()))
     except ValueError as error:
-        what = f"phase {row['index']} of flows.csv cannot be read, {error}"
-        raise ValueError(what) from error
+        raise ValueError(
+            f"phase {row['index']} of flows.csv is wrong, {error}"
+        ) from error
 
 
 def require_known(phases: Iterable[WalkedPhase], card: Card) -> None:

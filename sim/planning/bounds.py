@@ -11,17 +11,8 @@ from functools import cached_property
 
 import numpy as np
 
-from planner import (
-    Array,
-    BoundError,
-    Execution,
-    Plan,
-    RangeError,
-    ResolutionError,
-    plan,
-    rollout,
-    subdivide,
-)
+import planner
+from planner import Array, BoundError, Plan
 from planner.planning import Slack, Step, grid
 from planner.support import point, tick
 from sim.errors import message
@@ -53,7 +44,8 @@ def within_bounds(setup: Setup) -> tuple[Setup, Plan | None]:
     if not bounds:
         return setup, None
     trials = _Trials(setup, bounds)
-    cuts = subdivide(grid(scenario.path.curve, scenario.segments), trials.slacks)
+    undivided = grid(scenario.path.curve, scenario.segments)
+    cuts = planner.subdivide(undivided, trials.slacks)
     return setup.recut(cuts), trials.plan
 
 
@@ -70,11 +62,11 @@ class _Trials:
         tried = self.setup.recut(cuts)
         try:
             return self._foreseen(tried)
-        except RangeError as error:
+        except planner.RangeError as error:
             if error.segments is None:
                 raise
             return [_reach(tried)]  # without a plan there is no predicted motion
-        except ResolutionError as error:
+        except planner.ResolutionError as error:
             if np.diff(cuts)[list(error.segments)].min() < FINEST_SEGMENT:
                 raise
             unresolved = np.zeros(len(cuts) - 1)
@@ -106,8 +98,9 @@ class _Trials:
 def _reach(setup: Setup) -> Slack:
     """Slack of the joint range in each segment [rad]."""
     stability, segments = setup.equations.static_stability, setup.scenario.segments
-    execution = Execution(stance=setup.stance, static_stability=stability)
-    planned = plan(setup.extended, setup.nominal(), segments, execution=execution)
+    execution = planner.Execution(stance=setup.stance, static_stability=stability)
+    asked = setup.extended, setup.nominal(), segments
+    planned = planner.plan(*asked, execution=execution)
     shape, flows = setup.extended.shape, planned.flows
     lengths = np.diff(planned.segment_ends, prepend=0)
     segment = np.repeat(np.arange(len(lengths)), lengths)
@@ -180,7 +173,7 @@ def foresee(
         yield ForeseenStretch(predictor, step.fraction, step.plan)
         legs = schedule.end
         if setup.scenario.steered_on == "ideal":
-            pose, swing = open_loop.split(setup, rollout(step.plan)[-1])
+            pose, swing = open_loop.split(setup, planner.rollout(step.plan)[-1])
         elif schedule.phases:
             last = np.array([schedule.stop - schedule.start - 1])
             pose, swing = predictor.configurations(last)[0][0], legs.swing

@@ -134,8 +134,7 @@ class About:
         """
         software = differences(*alike(self.software, other.software))
         orders = [{"order": [*about.asked["vary"]]} for about in (self, other)]
-        asked = differences(self.asked, other.asked) or differences(*orders)
-        return asked + software
+        return (differences(self.asked, other.asked) or differences(*orders)) + software
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,6 +16,7 @@ from models.description import compile_model
 from planner import Array
 from sim.errors import UsageError
 from sim.scenarios.scenario import Scenario
+from sim.world.parts import copy_settings
 
 PAYLOAD = "payload"
 BACKLASH = "backlash_"  # before the name of the joint whose gears have it
@@ -25,9 +26,7 @@ RUBBED = 1e-3  # [N m s/rad]; damping of it
 # as light as ours; these like one of some 5,000. Ten times harder ones rattle while the
 # robot stands, and the solver takes three times as many iterations.
 STOP = (0.002, 1.0)  # solref: time [s] and damping ratio
-GIVEN = {n for n, p in vars(mujoco.MjsJoint).items() if getattr(p, "fset", None)}
-GIVEN -= {"name", "classname"}  # the rest of what a file gives a joint
-ANGLES = ("range", "ref", "springref")
+ANGLES = ("range", "ref", "springref", "springyield")
 HARD = (0.999, 0.999, 0.001, 0.5, 2.0)  # solimp
 
 
@@ -142,11 +141,11 @@ def add_loose(
     names = [other.name for other in joint.parent.joints]
     own |= {"type": mujoco.mjtJoint.mjJNT_HINGE, "pos": joint.pos, "axis": joint.axis}
     own |= {"name": prefix + name, "limited": True, "solref_limit": STOP}
-    loose = _joint(spec, joint, own)
+    loose = _joint(spec, joint, **own)
     loose.range = np.array([-0.5, 0.5]) * width / _unit(loose)
     for later in names[names.index(name) + 1 :]:  # whose axes the loose joint turns too
         old = spec.joint(later)
-        new = _joint(spec, old, {key: getattr(old, key) for key in GIVEN})
+        copy_settings(new := _joint(spec, old), old)
         for field in ANGLES * (old.type != mujoco.mjtJoint.mjJNT_SLIDE):
             scaled = np.multiply(_unit(old) / _unit(new), getattr(old, field))
             setattr(new, field, scaled)
@@ -154,7 +153,7 @@ def add_loose(
         new.name = later
 
 
-def _joint(spec: mujoco.MjSpec, like: mujoco.MjsJoint, own: Any) -> mujoco.MjsJoint:
+def _joint(spec: mujoco.MjSpec, like: mujoco.MjsJoint, **own: Any) -> mujoco.MjsJoint:
     """A new joint in the body and frame of another one, the last of that body."""
     added = like.parent.add_joint(spec.default, **own)  # not the default of the body
     if like.frame:

@@ -118,7 +118,7 @@ def test_where_the_plan_keeps_the_range_its_closest_segment_is_divided(monkeypat
         names=["x", "a"], trajectory=lambda i, flows, start: i * angles
     )
     planned = SimpleNamespace(segment_ends=(2, 4), flows=range(4))
-    monkeypatch.setattr(bounds, "plan", lambda *_, **__: planned)
+    monkeypatch.setattr(bounds.planner, "plan", lambda *_, **__: planned)
     setup = SimpleNamespace(
         equations=SimpleNamespace(static_stability=True, limits={"a": (-0.5, 0.4)}),
         scenario=SimpleNamespace(segments=2),

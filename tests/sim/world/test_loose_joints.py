@@ -11,7 +11,8 @@ LEG = """
 <body name="leg" pos="0.1 0 0" euler="{third} 0 0">
   <joint name="before" axis="1 0 0"/>
   {swing}
-  <joint name="lift" {later} range="-{third} {third}" springref="{third}"/>
+  <joint name="lift" {later} range="-{third} {third}" springref="{third}"
+    springyield="{third}"/>
   <joint name="slide" type="slide" axis="0 0 1" range="-0.02 0.02" springref="0.01"/>
   <geom name="foot" size="0.01" pos="0.1 0 0.05"/>
 </body>"""
@@ -48,6 +49,8 @@ def test_backlash_turns_about_its_own_joint_of_several_in_a_body(
             assert after == pytest.approx(before, abs=1e-12), (name, kept)
         after, before = (m.qpos_spring[m.joint(name).qposadr] for m in (loose, rigid))
         assert after == pytest.approx(before)
+    after, before = (m.jnt_springyield[m.joint("a_lift").id] for m in (loose, rigid))
+    assert after == pytest.approx(before)
     assert loose.actuator("servo").trnid[0] == loose.joint("a_lift").id
     data, other = mujoco.MjData(loose), mujoco.MjData(rigid)
     angles = {"a_before": 0.3, "a_swing": 0.2, "a_lift": -0.8, "a_slide": 0.01}
