@@ -37,12 +37,9 @@ def robots(options: argparse.Namespace) -> None:
     facts = []
     for name, card in cards.items():
         groups = {group: sorted(of.legs) for group, of in card.groups.items()}
-        said = {
-            "name": name,
-            "description": card.description,
-            "legs": sorted(card.legs),
-        }
-        facts.append(said | {"groups": groups, "gait": list(card.gait)})
+        said = {"name": name, "description": card.description}
+        more = {"groups": groups, "gait": list(card.gait)}
+        facts.append(said | {"legs": sorted(card.legs)} | more)
     lines = (f"{n:20}{len(c.legs)} legs  {c.description}" for n, c in cards.items())
     cli.report(options, facts, *lines)
 

@@ -72,9 +72,7 @@ def _phase(row: Mapping[str, str]) -> WalkedPhase:
     try:
         return WalkedPhase(*(kind(row[key]) for key, kind in KINDS.items()))
     except ValueError as error:
-        raise ValueError(
-            f"phase {row['index']} of flows.csv is wrong, {error}"
-        ) from error
+        raise ValueError(f"phase {row['index']} of flows.csv, {error}") from error
 
 
 def require_known(phases: Iterable[WalkedPhase], card: Card) -> None:

@@ -7,7 +7,7 @@ import pytest
 
 from models import ModelError, load
 from sim.cli import main
-from sim.errors import UsageError
+from sim.errors import UsageError, one_line
 from sim.runs.run import read_run
 from sim.studies.results import read_results
 
@@ -19,6 +19,11 @@ def test_a_refusal_without_advice_ends_with_its_place():
     assert str(refused) == "it has no number: the card"
     advised = UsageError.at("the card", ValueError("it has no number; give one"))
     assert str(advised) == "it has no number: the card; give one"
+
+
+def test_a_refusal_is_one_line_with_its_place_as_it_is_called():
+    found = one_line(UsageError("first\n  second\n\n", "two  blanks", "go\ton"))
+    assert found == "first second : two  blanks; go\ton"
 
 
 @pytest.mark.parametrize(

@@ -32,7 +32,7 @@ def test_numbers_of_phases_are_below_a_billion():
 
 
 def test_a_phase_is_as_planned_or_it_is_not():
-    with pytest.raises(ValueError, match="'2' is not in list"):
+    with pytest.raises(ValueError, match=r"phase 0 of flows\.csv, '2' is not in list"):
         read(written([SWING]).replace(",1\n", ",2\n"))
 
 
