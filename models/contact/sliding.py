@@ -62,8 +62,9 @@ class Ground:
         """The ground in a world with robot, floor and servos, at keyframe `start`."""
         data = mujoco.MjData(model)
         mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
-        depth = np.ptp(Kinematics(robot).standing.height) + 1e-6  # [m]; contacts appear
-        data.qpos[robot.root_address_in(model) + 2] -= depth
+        height = robot.root_address_in(model) + 2
+        rounded = 1e-5 * max(0.1, data.qpos[height])  # [m]; more than six digits leave
+        data.qpos[height] -= np.ptp(Kinematics(robot).standing.height) + rounded
         mujoco.mj_forward(model, data)
         springs, frictions = [], []
         for leg in robot.leg_cards:

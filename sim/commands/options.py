@@ -112,7 +112,7 @@ def reader_of(
     if pulses or options.units == "counts":
         settings = servo_settings(scenario, card)
         make = settings.kind
-        pwm = pulses or (make is not None and make.signal == "pulse")
+        pwm = pulses or (make.signal == "pulse" if make else None)
         table = servo_table(card, card.joints, make, pwm, rate=settings.rate)
         servos = (table.in_microseconds() if pulses else table).channels
         angles = {servo.joint: servo.angle for servo in servos}

@@ -113,7 +113,7 @@ def ensure_start(spec: mujoco.MjSpec, robot: Robot, floor: Floor) -> float:
     spec.nkey = 0  # for which a file may have kept more room
     kinematics, place = Kinematics(robot), 0
     down = float(kinematics.standing.height.min() - floor.height)
-    down = down if abs(down) > 1e-4 else 0.0  # [m]; smaller distances stay
+    down = down if abs(down) > 1e-7 else 0.0  # [m]; rounding stays
     qpos = kinematics.level_qpos
     qpos[robot.root_address_in(robot.model) + 2] -= down
     own = {robot.model.joint(number).name for number in range(robot.model.njnt)}

@@ -1,5 +1,6 @@
 """Twists and loads of six sliding feet, against theory and against the engine."""
 
+import shutil
 from dataclasses import replace
 
 import mujoco
@@ -15,6 +16,7 @@ from models.contact.dissipation import (
 )
 from models.contact.kinematics import Kinematics, Stance
 from models.contact.sliding import Ground, sliding_twist
+from models.description import FOLDER
 from models.library import load as load_robot
 from planner.systems.flows import Flow
 from sim.motion.schedule import LegState, MotionLimits, Scheduler
@@ -88,6 +90,21 @@ def test_friction_balances_and_loads_carry_the_weight(robot, world):
     assert loads.sum(axis=1) == pytest.approx(np.ones(7))
     moments = np.einsum("nf,nfi->ni", loads, stance.feet)
     assert moments == pytest.approx(stance.center_of_mass, abs=1e-9)
+
+
+@pytest.mark.parametrize("high", [-0.09e-3, -2e-6, 2e-6, 0.05e-3, 0.09e-3])
+def test_feet_that_start_near_the_floor_are_on_it(high, scenario, tmp_path):
+    """Where a file puts the body less than a tenth of a millimetre off."""
+    for name in ("scene.xml", "hexapod.toml"):
+        shutil.copy(FOLDER / name, tmp_path)
+    text = (FOLDER / "hexapod.xml").read_text()
+    off = text.replace('qpos="0 0 0.06 ', f'qpos="0 0 {0.06 + high:.9f} ')
+    assert off != text
+    (tmp_path / "hexapod.xml").write_text(off)
+    near, exact = load_robot(str(tmp_path / "hexapod.xml")), load_robot("hexapod")
+    found, known = (Ground.of(r, load(build(r, scenario()))) for r in (near, exact))
+    assert found.contact == pytest.approx(known.contact, rel=1e-6)
+    assert found.push == pytest.approx(known.push, rel=1e-6)
 
 
 def test_rigid_legs_on_soft_ground_slide_with_least_dissipation(robot, world):

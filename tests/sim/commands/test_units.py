@@ -1,11 +1,15 @@
 """How commands read logs in counts, judge tables of designs, and own cards."""
 
+import shutil
 from argparse import Namespace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from models import load
+from models.description import FOLDER
+from sim import load_scenario
 from sim.commands import calibrate, export, options as cli, studies, walks
 from sim.commands.declared import Command
 from sim.errors import UsageError
@@ -17,7 +21,7 @@ from sim.world import servos
 @pytest.mark.parametrize(
     ("units", "signal", "pulses"),
     [
-        ("counts", "pulse", True), ("counts", "bus", False), ("counts", None, False),
+        ("counts", "pulse", True), ("counts", "bus", False), ("counts", None, None),
         ("microseconds", "bus", True), ("microseconds", None, True),
     ],
 )  # fmt: skip
@@ -36,6 +40,23 @@ def test_counts_are_those_of_pulses_where_the_make_takes_them(
     monkeypatch.setattr(tables, "servo_table", servo_table)
     cli.reader_of(Namespace(units=units), hexapod, None)
     assert asked == [pulses]
+
+
+def test_counts_of_servos_of_no_make_are_those_of_the_card(tmp_path):
+    """Which `calibrate` has written, with the divider of a board."""
+    for name in ("hexapod.xml", "scene.xml"):
+        shutil.copy(FOLDER / name, tmp_path)
+    card = (FOLDER / "hexapod.toml").read_text() + "\n[board]\ndivider = 122\n"
+    joints = load("hexapod").card.joints
+    table = "\n[servo.{}]\ncenter = 307\ncounts_per_radian = 131\n"
+    (tmp_path / "hexapod.toml").write_text(card + "".join(map(table.format, joints)))
+    (log := tmp_path / "log.csv").write_text(
+        f"time,{','.join(joints)}\n" + "".join(f"{t}{',320' * 12}\n" for t in (0, 1))
+    )
+    robot = load(str(tmp_path / "hexapod.xml"))
+    scenario = load_scenario("line", {"robot": str(tmp_path / "hexapod.xml")})
+    read = cli.reader_of(Namespace(units="counts"), robot, scenario)(log)
+    assert read.commanded == pytest.approx(np.full((2, 12), 13 / 131))
 
 
 def test_the_best_design_is_the_one_of_fewest_strokes():
