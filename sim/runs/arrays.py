@@ -71,7 +71,7 @@ def archive(
         with reading(folder), open_file(folder / name) as file:
             array = np.load(file, allow_pickle=False)[key]
             numbers = array[array != -np.inf] if key.endswith("margin") else array
-            if not (np.abs(numbers) < LARGEST).all():
+            if not ((numbers > -LARGEST) & (numbers < LARGEST)).all():
                 raise ValueError(f"{key} of {name} is not finite or beyond {LARGEST:g}")
         return array
 

@@ -7,7 +7,7 @@ import json
 import os
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from itertools import combinations
 from pathlib import Path
 from shlex import quote
@@ -18,9 +18,10 @@ from warnings import catch_warnings, filterwarnings
 import numpy as np
 from markupsafe import Markup
 
+from planner.support import unfinished
 from sim.errors import UsageError
 from sim.figures.style import STYLE, plain_decades, sheet_of
-from sim.folder import whole
+from sim.folder import require_free, whole
 from sim.palette import FAINT, OUTCOMES, Colour
 from sim.reports.drawing import finish
 from sim.reports.tables import Table
@@ -53,13 +54,16 @@ EXTREMES = 5  # points among the best, and among the worst
 
 def draw_maps(results: Results, folder: Path, new: bool = False) -> list[Path]:
     """Files of the maps of a table, which may have to be new."""
-    drawn = []
-    for keys, figure in figures(results):
-        path = folder / f"{'-'.join(keys)}.png"
-        with whole(path, new=new) as part:
-            figure.savefig(part, metadata={"Software": None})
-        drawn.append(path)
-    return drawn
+    paths = [folder / f"{'-'.join(keys)}.png" for keys in mapped(results)[:MOST_MAPS]]
+    for path in paths * new:
+        require_free(path, "--out")
+    with ExitStack() as begun:
+        for path, (_, figure) in zip(paths, figures(results), strict=True):
+            with whole(path, new=new) as part:
+                figure.savefig(part, metadata={"Software": None})
+            if new:
+                begun.enter_context(unfinished(path))
+    return paths
 
 
 def mapped(results: Results) -> Sequence[tuple[str, ...]]:

@@ -54,6 +54,10 @@ def test_good_arrays_are_read_when_they_are_asked_for(tmp_path):
         ({"achieved_margin": np.array([0.1, -1e9, 0.2])}, "beyond 1e"),
         ({"qpos": np.full((3, 9), -np.inf)}, "qpos of a.npz is not finite"),
         ({"qpos": np.full((3, 9), 1e9)}, "qpos of a.npz is not finite or beyond 1e"),
+        (
+            {"qpos": np.full((3, 9), -(2**63))},  # whose amount is none of its kind
+            "qpos of a.npz is not finite or beyond 1e",
+        ),
         ({"time": np.arange(4.0)}, "different numbers of rows"),
         ({"time": np.zeros(())}, "different numbers of rows"),
         ({"contact": np.ones((3, 3), bool)}, r"shape \(3,\) instead of \(2,\)"),

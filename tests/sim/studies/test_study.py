@@ -110,11 +110,28 @@ def test_maps_are_drawn_behind_no_link_that_nobody_named(folder, tmp_path, capsy
 
 def test_maps_of_another_table_are_kept_in_a_folder_that_is_named(folder, capsys):
     (there := folder / "pictures").mkdir()
-    (other := there / "friction-play.png").write_bytes(b"mine")
-    assert main(["study", str(folder), "--out", str(there)]) == 2
-    assert f"already exists: {other}; give another name" in capsys.readouterr().err
-    assert other.read_bytes() == b"mine"
-    assert [*there.iterdir()] == [other]
+    for name in ("friction-play.png", "play-draw.png"):  # the first and the last
+        (other := there / name).write_bytes(b"mine")
+        assert main(["study", str(folder), "--out", str(there)]) == 2
+        assert f"already exists: {other}; give --out another name" in capsys.readouterr().err
+        assert other.read_bytes() == b"mine"
+        assert [*there.iterdir()] == [other]
+        other.unlink()
+
+
+def test_maps_that_are_ended_early_in_a_folder_that_is_named_can_be_begun_again(
+    folder, monkeypatch
+):
+    def ended(*_):
+        raise KeyboardInterrupt
+
+    there, drawn = folder / "pictures", maps._draw_map
+    tried = iter([drawn, drawn, ended])
+    monkeypatch.setattr(maps, "_draw_map", lambda *given: next(tried)(*given))
+    assert main(["study", str(folder), "--out", str(there)]) == 130
+    assert [*there.iterdir()] == []
+    monkeypatch.setattr(maps, "_draw_map", drawn)
+    assert main(["study", str(folder), "--out", str(there)]) == 0
 
 
 def test_pairs_of_settings_of_which_no_map_is_drawn_are_counted(
