@@ -20,6 +20,7 @@ from filelock import FileLock, Timeout
 from planner.support import read_file
 from sim.errors import FilesError, UsageError, is_text, telling
 from sim.folder import RunFolder, ensure_folder
+from sim.runs.run import read_run
 from sim.sweeps.file import Sweep, left_out
 from sim.sweeps.ledger import ALIKE, alike, differences, software
 
@@ -36,9 +37,9 @@ def run_folder(point: int) -> str:
 
 
 def point_in(run: Path) -> dict[str, Any]:
-    """Which point of a sweep a run folder holds, by digest and what varies; or {}."""
+    """Which point of a sweep a whole run is of, by digest and what varies; or {}."""
     with suppress(OSError, *UNREADABLE):
-        return {} | json.loads(read_file(run / POINT))
+        return {} | json.loads(read_file(run / POINT)) if read_run(run) else {}
     return {}
 
 

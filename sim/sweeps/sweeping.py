@@ -7,7 +7,6 @@ import json
 import shutil
 from collections import Counter
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from itertools import count
 from pathlib import Path
@@ -21,7 +20,6 @@ from sim.errors import FilesError, UsageError, one_line
 from sim.folder import RunFolder, ensure_folder, require_free
 from sim.preparation.shared import PLAN
 from sim.run_folder import run
-from sim.runs.run import read_run
 from sim.scenarios.file import to_table
 from sim.scenarios.scenario import Scenario
 from sim.sweeps.file import Sweep
@@ -190,7 +188,7 @@ def write_run_folders(points: Points, folder: SweepFolder) -> list[str]:
             if point not in points.tables:
                 continue
             now = {"of": points.digests[point], "varied": points.sweep.varied(point)}
-            walked = point_in(at) == json.loads(json.dumps(now)) and _is_whole(at)
+            walked = point_in(at) == json.loads(json.dumps(now))
             if walked and (at / last).exists():
                 continue
             scenario = points.sweep.at(point)
@@ -211,13 +209,6 @@ def write_run_folders(points: Points, folder: SweepFolder) -> list[str]:
             except Exception as error:  # its reason stands in the table as well
                 wrong.append(f"point {point}: {one_line(error)}")
     return wrong
-
-
-def _is_whole(folder: Path) -> bool:
-    """Whether a folder holds a finished run as it was written."""
-    with suppress(UsageError):
-        return bool(read_run(folder).phases)
-    return False
 
 
 def _clear(folder: Path) -> None:

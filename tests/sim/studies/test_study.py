@@ -17,6 +17,7 @@ from sim.studies import maps
 from sim.studies.findings import findings
 from sim.studies.maps import _place
 from sim.studies.results import Results, read_results
+from sim.sweeps import folder as sweep_folder
 from sim.sweeps.file import read_sweep, shipped_studies
 from sim.sweeps.table import write_table
 
@@ -113,7 +114,10 @@ def test_maps_of_another_table_are_kept_in_a_folder_that_is_named(folder, capsys
     for name in ("friction-play.png", "play-draw.png"):  # the first and the last
         (other := there / name).write_bytes(b"mine")
         assert main(["study", str(folder), "--out", str(there)]) == 2
-        assert f"already exists: {other}; give --out another name" in capsys.readouterr().err
+        assert (
+            f"already exists: {other}; give --out another name"
+            in capsys.readouterr().err
+        )
         assert other.read_bytes() == b"mine"
         assert [*there.iterdir()] == [other]
         other.unlink()
@@ -151,6 +155,7 @@ def test_the_page_fits_its_classes_and_links_the_worst_and_the_best(
     folder, tmp_path, monkeypatch
 ):
     monkeypatch.setattr(maps, "EXTREMES", 1)
+    monkeypatch.setattr(sweep_folder, "read_run", lambda _: True)  # nothing walked
     kept = folder / "runs" / "point-00004"
     varied = {"friction": 0.2 * 5, "play": 0.0, "draw": 0}
     for run, known in ((kept, varied), (folder / "runs" / "point-00000", {"play": 1})):

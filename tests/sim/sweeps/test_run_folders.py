@@ -7,9 +7,9 @@ import pytest
 from models.description import FOLDER
 from sim.errors import FilesError, RenderError, UsageError
 from sim.pictures import run_film
-from sim.sweeps import sweeping
+from sim.sweeps import folder as sweep_folder, sweeping
 from sim.sweeps.file import read_sweep
-from sim.sweeps.folder import Shard, SweepFolder, sole_owner
+from sim.sweeps.folder import Shard, SweepFolder, point_in, sole_owner
 from sim.sweeps.sweeping import points_of, write_run_folders
 from tests.sweeps import write_sweep
 
@@ -30,7 +30,7 @@ def walks_again(tmp_path, monkeypatch):
         monkeypatch.setattr(
             sweeping, "run", lambda _, made, **how: done.append(made.path)
         )
-        monkeypatch.setattr(sweeping, "_is_whole", is_there)
+        monkeypatch.setattr(sweep_folder, "read_run", is_there)
         done = []
         sweep = read_sweep(str(write_sweep(tmp_path, VARIES.format(film=film))))
         runs = tmp_path / "out" / "runs" / "point-00000"
@@ -87,7 +87,7 @@ def test_a_walk_whose_film_fails_is_not_walked_again(tmp_path, monkeypatch):
 
     done = []
     monkeypatch.setattr(sweeping, "run", walk)
-    monkeypatch.setattr(sweeping, "_is_whole", is_there)
+    monkeypatch.setattr(sweep_folder, "read_run", is_there)
     monkeypatch.setattr(run_film, "film_folder", refuse)
     sweep = read_sweep(str(write_sweep(tmp_path, VARIES.format(film="true"))))
     given = points_of(sweep, Shard()), SweepFolder(tmp_path / "out")
@@ -167,11 +167,12 @@ def test_a_full_disk_is_no_matter_of_one_point(tmp_path, monkeypatch):
 
 
 @pytest.mark.physics
-def test_a_run_that_was_changed_since_is_none_that_is_left_alone(folder):
-    assert sweeping._is_whole(folder)
+def test_a_run_that_was_changed_since_is_of_no_point(folder):
+    (folder / "point.json").write_text('{"of": "x", "varied": {}}')
+    assert point_in(folder) == {"of": "x", "varied": {}}
     summary = folder / "summary.json"
     before = summary.read_text()
     summary.write_text(before.replace('"bounces": 0', '"bounces": 1'))
     assert summary.read_text() != before
-    assert not sweeping._is_whole(folder)
-    assert not sweeping._is_whole(folder / "none")
+    assert point_in(folder) == {}
+    assert point_in(folder / "none") == {}
