@@ -206,13 +206,14 @@ def slipping(evaluation, less):
 
 
 def test_feet_that_slid_and_moved_the_body_have_slipped(short_walk):
-    evaluation = slipping(short_walk.evaluation, 0.12)
+    evaluation = slipping(short_walk.evaluation, 0.2)
     verdict = beside(evaluation, np.array([0.0, 0.0003, 0.0]))
     assert verdict.word == "slipped"
     assert "the foot of leg 5 most of all" in verdict.text
     # as on soft floors, where feet creep and the body stays
     assert beside(evaluation, np.array([0.0, 0.0001, 0.0])).word == "arrived"
-    little = slipping(short_walk.evaluation, 0.08)  # of what was predicted 8.7 %
+    # slid by less than 2 % of the path, which cannot have moved the body farther
+    little = slipping(short_walk.evaluation, 0.12)
     assert beside(little, np.array([0.0, 0.0003, 0.0])).word == "arrived"
 
 
