@@ -218,7 +218,7 @@ def blamed_on(place: Path, remedy: str = "") -> Iterator[None]:
 
 @contextmanager
 def alone_in(folder: Path) -> Iterator[None]:
-    """Wait until no other process is alone in a folder, where its disk has locks."""
+    """Hold the lock of a folder, for which others wait; some disks have no locks."""
     handle = os.open(folder, os.O_RDONLY)
     try:
         with suppress(OSError):

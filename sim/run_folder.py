@@ -8,7 +8,6 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
 
 import numpy as np
 
@@ -127,8 +126,8 @@ def run(
     """
     writer, own = Writer(folder), not any(folder.path.iterdir())
     try:
-        tell: Any = {"progress": progress, "witness": writer}
-        simulation = simulate(scenario, robot=robot, without=without, log=log, **tell)
+        walk = partial(simulate, scenario, robot=robot, without=without, log=log)
+        simulation = walk(progress=progress, witness=writer)
     except UsageError:  # which comes before anything is walked
         if own:
             shutil.rmtree(folder.path, ignore_errors=True)

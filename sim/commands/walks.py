@@ -9,7 +9,7 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from statistics import median
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -96,9 +96,9 @@ def _walk(
             cli.notice(line)
         try:
             with bar(quiet=options.json) as progress:
+                walk = partial(run, scenario, folder, robot=robot, look=look, log=log)
                 warn = partial(cli.notice, kind="warning")
-                tell: Any = {"progress": progress, "warn": warn}
-                summary = run(scenario, folder, robot=robot, look=look, log=log, **tell)
+                summary = walk(progress=progress, warn=warn)
         finally:
             folder.discard_if_empty()
         lines = [quantities.describe(summary), "", f"{'folder':13}{folder.path}"]
