@@ -129,7 +129,7 @@ class Robot:
     def alternating(self, groups: Mapping[str, Mapping[int, float]]) -> "Robot":
         """The robot with two other groups of legs and gains, which stand in turn.
 
-        Its legs turn as far as they do in the groups that they leave.
+        Its legs turn no farther than in the groups that they leave.
         """
         first, second = groups
         card = replace(
