@@ -134,9 +134,7 @@ class Robot:
         first, second = groups
         card = replace(
             self.card,
-            groups={
-                g: GroupCard(own, swing=self._room(own)) for g, own in groups.items()
-            },
+            groups={g: GroupCard(of, swing=self._room(of)) for g, of in groups.items()},
             gait=(both := first + second, first, both, second, both),
             patterns={},
         )

@@ -92,7 +92,11 @@ def require_known(phases: Iterable[WalkedPhase], card: Card) -> None:
 
 
 def require_times(
-    phases: Sequence[WalkedPhase], phase: Array, time: Array, commanded: Array
+    phases: Sequence[WalkedPhase],
+    phase: Array,
+    time: Array,
+    commanded: Array,
+    timestep: float,
 ) -> None:
     """Refuse, with a ValueError, rows at times other than those of their phases.
 
@@ -104,7 +108,8 @@ def require_times(
     if max((start - time).max(), late.max(), last) > near:
         raise ValueError("trajectory.npz has not the times of flows.csv")
     clock = np.linspace(0.0, whole, len(commanded) + 1)
-    if np.abs(np.append(commanded, whole) - clock).max() > near:
+    odd = np.abs(np.append(commanded, whole) - clock).max() > near
+    if odd or abs(len(commanded) * timestep - whole) > timestep + near:
         raise ValueError("commands.npz has not the times of flows.csv")
 
 

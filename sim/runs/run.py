@@ -285,7 +285,8 @@ def read_run(folder: Path, *, inspected: bool = False) -> Run:
                 raise ValueError("trajectory.npz has a row of a phase not in flows.csv")
             if not (np.diff(run.time) > 0).all():
                 raise ValueError("the rows of trajectory.npz are not in time's order")
-            flows.require_times(run.phases, run.phase, run.time, run.commands["time"])
+            times = run.phase, run.time, run.commands["time"]
+            flows.require_times(run.phases, *times, run.scenario.timestep)
         weighed = run.summary.weighed
         if weighed and weighed.prediction not in [*run.predicted]:
             raise ValueError(f"unknown prediction {weighed.prediction!r}")
