@@ -63,7 +63,7 @@ class Ground:
         data = mujoco.MjData(model)
         mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
         height = robot.root_address_in(model) + 2
-        rounded = 1e-5 * max(0.1, data.qpos[height])  # [m]; more than six digits leave
+        rounded = 1e-5 * max(0.1, data.qpos[height])  # [m], and more, so that all touch
         data.qpos[height] -= np.ptp(Kinematics(robot).standing.height) + rounded
         mujoco.mj_forward(model, data)
         springs, frictions = [], []

@@ -50,9 +50,10 @@ class Equations:
     @property
     def execution(self) -> Execution:
         """Strokes centred within the joint range; stepped where groups row together."""
-        tested = self.static_stability
         return Execution(
-            stance=self.stance, limits=self.limits, static_stability=tested
+            stance=self.stance,
+            limits=self.limits,
+            static_stability=self.static_stability,
         )
 
     def configurations(self, path: Path) -> Path:

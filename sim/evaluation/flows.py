@@ -100,7 +100,7 @@ def require_times(
 ) -> None:
     """Refuse, with a ValueError, rows at times other than those of their phases.
 
-    Rows are in the phases of those numbers (T,) at times (T,), commands at (N,) [s].
+    Rows are in phases of numbers (T,) at times (T,), commands at (N,), one a step [s].
     """
     start, end = np.array([(p.start, p.end) for p in phases])[phase].T
     whole = phases[-1].end

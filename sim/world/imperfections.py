@@ -22,11 +22,11 @@ PAYLOAD = "payload"
 BACKLASH = "backlash_"  # before the name of the joint whose gears have it
 LOOSE = 1e-6  # [kg m^2]; inertia of what moves within the backlash
 RUBBED = 1e-3  # [N m s/rad]; damping of it
+ANGLES = ("range", "ref", "springref", "springyield")  # of a joint, in its file's unit
 # Stops as MuJoCo has them by default give way like a spring of 0.6 N m/rad behind a leg
 # as light as ours; these like one of some 5,000. Ten times harder ones rattle while the
 # robot stands, and the solver takes three times as many iterations.
 STOP = (0.002, 1.0)  # solref: time [s] and damping ratio
-ANGLES = ("range", "ref", "springref", "springyield")
 HARD = (0.999, 0.999, 0.001, 0.5, 2.0)  # solimp
 
 
