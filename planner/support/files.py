@@ -47,8 +47,7 @@ def whole_file(path: Path | str, size: int = 0, new: bool = False) -> Iterator[P
     except OSError as error:
         raise OSError(error.errno, error.strerror or str(error), str(path)) from error
     finally:
-        with suppress(OSError):
-            part.unlink()
+        _remove(part)
         _unfinished.discard(part)
 
 
@@ -119,7 +118,8 @@ def read_text(path: Path | str, largest: int = LARGEST_TEXT) -> str:
     try:
         return read_file(path, largest).decode("utf-8-sig")  # spreadsheets mark it
     except UnicodeDecodeError as error:
-        raise ValueError(f"byte {error.start + 1} is no text in UTF-8") from None
+        line = error.object[: error.start].count(b"\n") + 1
+        raise ValueError(f"line {line} is no text in UTF-8, as it must be") from None
 
 
 def _flush(path: Path) -> None:

@@ -211,7 +211,7 @@ CHECKS = {
     "film": Check(_film, ExitCode.RENDER, "imageio-ffmpeg"),
     "figures": Check(_figures, ExitCode.RENDER, "matplotlib"),
     "report": Check(_report, ExitCode.RENDER, "jinja2"),
-    "packages": Check(_packages, ExitCode.FILES, OWN),
+    "packages": Check(_packages, ExitCode.FILES, "packaging"),  # with which it reads
 }
 
 

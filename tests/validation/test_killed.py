@@ -165,6 +165,8 @@ def go_on(folder, told, words):
         for made in ("bare.toml", "bare.png"):
             (folder / made).unlink(missing_ok=True)
     ended(words, folder)
-    if (folder / "new-2").exists():
-        shutil.rmtree(folder / "new")
-        (folder / "new-2").rename(folder / "new")
+    for new in folder.glob("new-2*"):  # what had begun was kept
+        old = folder / new.name.replace("-2", "")
+        if old.is_dir():
+            shutil.rmtree(old)
+        new.replace(old)

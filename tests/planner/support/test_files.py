@@ -142,8 +142,8 @@ def test_a_text_is_read_without_its_mark_and_only_in_utf_8(tmp_path):
     path = tmp_path / "scenario.toml"
     path.write_bytes("\ufeffname = 'é'".encode())
     assert read_text(path) == "name = 'é'"
-    path.write_bytes(b"name = '\xe9'")
-    with pytest.raises(ValueError, match="byte 9 is no text in UTF-8"):
+    path.write_bytes(b"\nname = '\xe9'")
+    with pytest.raises(ValueError, match="^line 2 is no text in UTF-8, as it must be"):
         read_text(path)
 
 

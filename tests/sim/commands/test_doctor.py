@@ -3,6 +3,7 @@
 import importlib
 import json
 import re
+import sys
 import tomllib
 from base64 import urlsafe_b64encode
 from hashlib import sha256
@@ -198,9 +199,22 @@ def test_the_package_itself_is_installed_anew_from_its_checkout(monkeypatch):
         packages._packages()
     anew = f"--editable {quote(str(PROJECT.parent))}"
     assert told.value.remedy.endswith(f" --no-deps {anew}")
-    assert CHECKS["packages"].package == anew
     gone = Check(lambda: importlib.import_module("sim.gone"), ExitCode.RENDER, "jinja2")
     assert packages._examined(gone).repair.endswith(f" --force-reinstall {anew}")
+
+
+def test_what_reads_the_requirements_is_installed_anew_where_it_breaks(
+    tmp_path, monkeypatch
+):
+    (tmp_path / "packaging").mkdir()
+    (tmp_path / "packaging" / "__init__.py").touch()
+    (tmp_path / "packaging" / "requirements.py").write_text("def ((")
+    monkeypatch.syspath_prepend(tmp_path)
+    for name in ("packaging", "packaging.requirements"):
+        monkeypatch.delitem(sys.modules, name, raising=False)
+    found = packages._examined(CHECKS["packages"])
+    assert "SyntaxError" in found.detail
+    assert found.repair.endswith(" --force-reinstall packaging")
 
 
 def test_the_engine_to_install_is_the_one_required():

@@ -294,7 +294,6 @@ def test_broken_file_is_refused_with_its_line(file):
 
 def test_binary_file_is_refused(tmp_path):
     (tmp_path / "picture.toml").write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(
-        UsageError, match="not TOML, byte 1 is no text in UTF-8: .*picture.toml"
-    ):
+    told = "not TOML, line 1 is no text in UTF-8, as it must be: .*picture.toml"
+    with pytest.raises(UsageError, match=told):
         load_scenario(str(tmp_path / "picture.toml"))
