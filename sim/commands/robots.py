@@ -15,13 +15,13 @@ from sim.endings import command
 from sim.errors import UsageError, message
 from sim.folder import whole
 from sim.interruption import processor_time
-from sim.preparation.inspection import facts_of, inspected
+from sim.preparation.inspection import Facts, inspected
 from sim.preparation.setup import Setup, prepare
 from sim.progress import Progress, bar, stage
 from sim.scenarios.file import load_scenario
 from sim.templates import render
 
-Adopted = tuple[models.Source, models.Draft, Setup, list[Path]]
+Adopted = tuple[models.Draft, models.Robot, Facts, list[Path]]
 BUDGET = 30.0  # [s] of the processor, to adopt a robot
 
 
@@ -50,12 +50,11 @@ def adopt(options: argparse.Namespace) -> None:
         raise UsageError.of("shipped_card", options.robot, robot=options.robot)
     late = message("no_card_found", robot=options.robot, seconds=BUDGET)
     with processor_time(BUDGET, models.ModelError(late)):
-        source, draft, setup, written = _adopted(options)
-    found, files = facts_of(setup), [str(path) for path in written]
-    path, external = source.path, setup.robot.opened.external
+        draft, robot, found, written = _adopted(options)
+    files = [str(path) for path in written]
     facts = {"written": files, "guesses": draft.guesses, "robot": found}
-    trusted = ["--allow-external"] if external else []
-    walk = command("run", "line", "--robot", path, *trusted)
+    trusted = ["--allow-external"] if robot.opened.external else []
+    walk = command("run", "line", "--robot", robot.path, *trusted)
     text = render("adopted.txt", walk=walk, **facts)
     cli.report(options, facts, render("robot.txt", **found), text)
 
@@ -84,6 +83,7 @@ def _adopted(options: argparse.Namespace) -> Adopted:
                     name = str(source.path)
                     robot = models.load(name, allow_external=options.allow_external)
                     setup = prepare(load_scenario("line", {"robot": name}), robot)
+                    found = inspected(setup.scenario, robot)
                 drawing = cli.working(options, "drawing it from above")
                 with drawing, whole(picture, new=True) as part:
                     save_standing(setup, draft.gait.pivots, part)
@@ -91,7 +91,7 @@ def _adopted(options: argparse.Namespace) -> Adopted:
         drafted = f"{re.escape(str(source.path.with_suffix('')))}[.](xml|toml)"
         told = re.sub(drafted, lambda _: str(source.given), str(error))
         raise models.ModelError(told) from error  # about the file that is still there
-    return source, draft, setup, [*model, card, picture]
+    return draft, robot, found, [*model, card, picture]
 
 
 def identify(options: argparse.Namespace) -> None:

@@ -271,7 +271,7 @@ def pooled(
     H, y, expected = each.information, each.evidence, each.expected[p[:, None], p]
     own, cross = H[:, p[:, None], p] + expected, H[:, c[:, None], p]
     others = y[:, p] + each.start[:, p] / each.spread[p] ** 2
-    through = cross @ np.linalg.inv(own)
+    through = np.swapaxes(np.linalg.solve(own, np.swapaxes(cross, 1, 2)), 1, 2)
     told = H[:, c[:, None], c] - through @ np.swapaxes(cross, 1, 2)
     led_to = y[:, c] - np.einsum("pkl,pl->pk", through, others)
     start, noise = each.start[:, c].mean(axis=0), np.sqrt(np.mean(each.noise**2))

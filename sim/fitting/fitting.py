@@ -1,8 +1,8 @@
 """Servos fitted to logs of a robot: one make for all joints, checked on what was kept.
 
 Each joint is fitted for itself. Stiffness, damping, backlash and delay are those of one
-make, so that all joints together tell them better than each alone. The first three
-quarters of every log are fitted, and the last quarter is predicted.
+make, so that all joints together tell them better than each alone. Of every log three
+quarters are fitted, but for their beginning, and the last quarter is predicted.
 """
 
 import json
@@ -38,6 +38,7 @@ APART = 0.01  # [s]; delays that are tried
 LOOSE = ((0.0, 0.01), (0.0, 0.01))  # [rad]; dead bands and backlash that are tried
 NARROWEST = 1e-5  # [rad]; a band that all joints have, so that all are built alike
 FITTED = 0.75  # of the rows of a log; the rest checks
+BEGINNING = 0.5, 0.1  # [s], or a share of a log that may begin in motion; not fitted
 FEWEST_ROWS = 20  # of a log; six parameters are fitted to each joint
 MOST_ANGLES = 175 * 10**4  # of all logs; each takes a kilobyte, and 60 microseconds
 MOST_WALKED = 650_000  # of a log that walks, of which each takes three kilobytes
@@ -105,14 +106,13 @@ def fit_joints(setup: Setup, logs: Sequence[Log], walking: bool) -> JointFit:
             for log in logs
         ]
         pairs = [*zip(loaded, logs, strict=True)]
+        told = [(c, *_rows(log, False)) for c, log in pairs]
         tries = 2 - walking  # loads on the floor are too uncertain for a choice
-        fits = [fit_servos(c, *_rows(g, False), start, tries) for c, g in pairs]
-        each = together(fits)
+        each = together([fit_servos(*one, start, tries) for one in told])
         if walking:
             make, own, whole = one_make(each)
             model = _fitted_model(setup, logs[0], whole)
         else:
-            told = [(c, *_rows(log, False)) for c, log in pairs]
             each, make, own, whole = shared_make(told, start, each)
     ends = ([_missed(*pair, servo) for pair in pairs] for servo in (start, whole))
     before, after = (np.sqrt(np.mean(end, axis=0)) for end in ends)
@@ -145,11 +145,11 @@ def check_measured(path: Path, log: Log) -> None:
 
 def check_told(path: Path, logs: Sequence[Log]) -> None:
     """Refuse logs that together tell too few angles of a joint, but some."""
-    joints, few = logs[0].joints, int(FITTED * FEWEST_ROWS)
-    parts = [_rows(log, False)[1] for log in logs if log.measured is not None]
-    counts = sum((np.isfinite(p).sum(axis=0) for p in parts), np.zeros(len(joints)))
-    for joint, count in zip(joints, counts.tolist(), strict=True):
-        if 0 < count < few:
+    few = int((FITTED - BEGINNING[1]) * FEWEST_ROWS)
+    told = [(g.measured, _rows(g, False)[1]) for g in logs if g.measured is not None]
+    for j, joint in enumerate(logs[0].joints):
+        count = sum(np.isfinite(rows[:, j]).sum() for _, rows in told)
+        if count < few and any(np.isfinite(whole[:, j]).any() for whole, _ in told):
             raise UsageError.of("few_angles", path, joint=joint, count=count, least=few)
 
 
@@ -163,8 +163,9 @@ def _rows(log: Log, kept: bool) -> tuple[Array, Array]:
     """Times and measured angles of the rows that are fitted, or of those kept."""
     if log.measured is None:
         raise ValueError("no measured angles; give columns measured.JOINT")
-    cut = int(FITTED * len(log.time))
-    rows = slice(cut, None) if kept else slice(cut)
+    cut, (seconds, share) = int(FITTED * len(log.time)), BEGINNING
+    begins = int(log.time.searchsorted(min(seconds, share * log.duration)))
+    rows = slice(cut, None) if kept else slice(begins, cut)
     return log.time[rows], log.measured[rows]
 
 

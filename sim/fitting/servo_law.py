@@ -20,7 +20,7 @@ import numpy as np
 
 from models.description import actuators_driving
 from planner import Array
-from sim.logs.log import Log
+from sim.logs.log import LONGEST_LOG, Log
 from sim.physics.engine import STRETCH, Engine
 from sim.preparation.setup import Setup
 from sim.world.dead_bands import band_in
@@ -39,7 +39,7 @@ class Commanded:
     """Angles that joints are asked for, in equal steps of time, and their loads."""
 
     step: float  # [s]
-    angle: Array  # (T, P) [rad]
+    angle: Array  # on the average of the step that ends, (T, P) [rad]
     load: Array  # torque of gravity and floor against the joint's angle, (T, P) [N m]
     inertia: Array  # about every joint, rotor and leg, (P,) [kg m^2]
     leg: Array  # of that, what the backlash lets loose, (P,) [kg m^2]
@@ -54,7 +54,6 @@ class Commanded:
         lanes = len(servos)
         inertia = np.tile(self.inertia, lanes)
         asked = np.tile(self.angle, (1, lanes)) + servos[..., 4].ravel()
-        asked[1:] = (asked[1:] + asked[:-1]) / 2  # of a step, its middle
         load = np.tile(self.load, (1, lanes))
         held, free = (_step(c / inertia, d / inertia, self.step) for c in (k, 0 * k))
         pulled, falls = np.array([1 - held[0, 0], -held[1, 0]]), self.step - free[0, 1]
@@ -134,7 +133,7 @@ def on_floor(setup: Setup, model: mujoco.MjModel, log: Log, servos: Array) -> Co
     rest = model.key("start").ctrl[actuators]
     part = np.clip((time + GOING + SETTLING) / GOING, 0, 1)[:, None]
     part = part * part * (3 - 2 * part)
-    told = rest + part * (_asked(setup, log, time) + servos[:, 4] - rest)
+    told = rest + part * (_asked(setup, log, time + dt) + servos[:, 4] - rest)
     rows = Channels(setup.robot, model).ctrl(dict(zip(log.joints, told.T, strict=True)))
     engine = Engine(model)
     pieces = range(0, len(rows), STRETCH)
@@ -155,9 +154,18 @@ def on_floor(setup: Setup, model: mujoco.MjModel, log: Log, servos: Array) -> Co
 
 
 def _asked(setup: Setup, log: Log, time: Array) -> Array:
-    """Commands at times, held from row to row where rows come as servos take them."""
+    """Means of commands since the time before, at even times (T,), shape (T, J).
+
+    Where rows come as servos take commands, each is held until the next one.
+    """
     a_row = setup.servo.rate * float(np.median(np.diff(log.time)))
-    return log.held(time) if 1 / NEAR_RATE < a_row < NEAR_RATE else log.at(time)
+    ends = np.append(2 * time[0] - time[1], time)
+    if not 1 / NEAR_RATE < a_row < NEAR_RATE:
+        return (log.at(ends[1:]) + log.at(ends[:-1])) / 2
+    rows = np.array([-LONGEST_LOG, *log.time[1:], 2 * LONGEST_LOG])
+    so_far = np.cumsum(log.commanded * np.diff(rows)[:, None], axis=0)
+    until = np.stack([np.interp(ends, rows, [0, *a]) for a in so_far.T], axis=1)
+    return np.diff(until, axis=0) / np.diff(ends)[:, None]
 
 
 def known_servos(setup: Setup, log: Log) -> tuple[Array, Array]:

@@ -84,12 +84,6 @@ class Log:
         """Commands at times (T,), evenly between rows, held beyond the ends, (T, J)."""
         return np.stack([np.interp(time, self.time, a) for a in self.commanded.T], 1)
 
-    def held(self, time: Array) -> Array:
-        """Commands at times (T,), held until the next one, whose mean they are then."""
-        ways = (time - SHORTEST_STEP / 2, time + SHORTEST_STEP / 2)
-        rows = [np.searchsorted(self.time, way, side="right") - 1 for way in ways]
-        return np.mean(self.commanded[np.maximum(rows, 0)], axis=0)
-
     def repeated(self, times: int) -> "Log":
         """The same motion several times over; what was measured is left out.
 

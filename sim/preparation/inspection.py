@@ -18,7 +18,6 @@ from sim.errors import message
 from sim.motion.stability import margin_at_rest
 from sim.physics.standing import check_standing
 from sim.preparation.reach import immobile, lift_angle
-from sim.preparation.setup import Setup
 from sim.scenarios.scenario import Scenario, drawn
 from sim.world.changes import changes, overlaps
 from sim.world.model import World, build, load as load_world
@@ -27,19 +26,11 @@ from sim.world.servos import SOFT_STIFFNESS, position_servos, servo_settings
 Facts = dict[str, Any]
 
 
-def facts_of(setup: Setup) -> Facts:
-    """Mass, legs, groups, fields and margins of a robot that is set up to walk."""
-    robot, described = setup.robot, setup.equations
-    found = models.mobility_of(robot, described)
-    changed = [*changes(robot, setup.scenario)]
-    stands = setup.scenario, setup.kinematics, setup.limits.lift_angle, setup.world
-    return _facts(*stands, described, found, changed)
-
-
 def inspected(scenario: Scenario, robot: models.Robot) -> Facts:
-    """Look at a robot; what keeps it from walking is listed, not refused.
+    """Mass, legs, groups, fields and margins of a robot.
 
-    A robot that does not stand, or cannot do what a setting asks for, is refused.
+    What keeps it from walking is listed, not refused. A robot that does not stand, or
+    cannot do what a setting asks for, is refused.
     """
     scenario = drawn(scenario, robot)
     lacks, changed = list(overlaps(robot)), tuple(changes(robot, scenario))
@@ -114,7 +105,7 @@ def _facts(
     described: models.Equations | None,
     found: models.Mobility | None,
     changed: Sequence[str],
-    lacks: Sequence[str] = (),
+    lacks: Sequence[str],
 ) -> Facts:
     """A robot that stands; without equations it has neither fields nor strokes."""
     robot, stance = kinematics.robot, kinematics.standing

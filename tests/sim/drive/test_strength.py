@@ -17,7 +17,7 @@ from sim.drive.rehearsal import Rehearsal
 from sim.errors import SimulationError, StratawalkError, UsageError
 from sim.logs.log import Log
 from sim.logs.playing import scenario_of, within_reach
-from sim.preparation.inspection import facts_of
+from sim.preparation.inspection import inspected
 from sim.preparation.setup import prepare
 from sim.walking.walks import Walker
 from tests.sim.drive.test_drive import swung
@@ -27,7 +27,7 @@ from tests.sim.drive.test_drive import swung
 @pytest.mark.parametrize("robot", ["hexapod", "hexapod-classroom"])
 def test_a_robot_s_facts_tell_the_torques_of_a_walk(scenario, robot):
     setup = prepare(scenario(robot=robot))
-    servos = facts_of(setup)["servos"]
+    servos = inspected(setup.scenario, setup.robot)["servos"]
     walked = np.abs(Rehearsal(setup).torques(swung(setup)).values).max()
     assert servos["standing"] < walked < servos["sliding"]  # 0.78, 0.91 and 1.25 N m
     enough = {n for n in SERVO_KINDS if SERVO_KINDS[n].stall_torque > walked}
@@ -37,7 +37,7 @@ def test_a_robot_s_facts_tell_the_torques_of_a_walk(scenario, robot):
 def test_a_make_that_carries_a_walk_is_told_though_not_every_walk(scenario):
     """0.78 N m to stand, 1.2 N m as feet slide, and 1.08 N m of an MG996R."""
     setup = prepare(scenario(robot="hexapod", servo="mg996r"))
-    servos = facts_of(setup)["servos"]
+    servos = inspected(setup.scenario, setup.robot)["servos"]
     assert servos["some"] == ["mg996r"]
     assert "mg996r" not in servos["makes"]
     torques = Rehearsal(setup).torques(schedule := swung(setup, 0.1))

@@ -9,24 +9,34 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from models import load
 from sim.cli import main
 from sim.commands.fit import _check_logs
 from sim.errors import UsageError
 from sim.fitting.estimate import Estimates, Parameter, _in_words
-from sim.fitting.fitting import JointFit, _rows, check_steps, servos
+from sim.fitting.fitting import JointFit, _rows, check_steps, fit_joints, servos
 from sim.fitting.poses import BODY, PoseFit
-from sim.fitting.servo_law import known_servos, on_floor
+from sim.fitting.servo_law import known_servos, on_floor, on_stand
 from sim.logs.log import Log
 from sim.preparation.setup import prepare
 from sim.scenarios.file import load_scenario
-from tests.sim.fitting.test_servos import classroom_log
+from tests.sim.fitting.test_servos import NOISE, classroom_log, moves
 
 
 def test_three_quarters_of_a_log_are_fitted_and_the_rest_checks():
-    log = SimpleNamespace(time=np.arange(20.0), measured=np.arange(20.0)[:, None])
-    assert _rows(log, kept=False)[0].tolist() == [*range(15)]
-    assert _rows(log, kept=True)[0].tolist() == [*range(15, 20)]
-    assert _rows(log, kept=True)[1][:, 0].tolist() == [*range(15, 20)]
+    time = np.arange(20.0)
+    log = SimpleNamespace(time=time, measured=time[:, None], duration=19.0)
+    for kept, rows in ((False, [*range(1, 15)]), (True, [*range(15, 20)])):
+        assert _rows(log, kept)[0].tolist() == rows
+        assert _rows(log, kept)[1][:, 0].tolist() == rows
+
+
+@pytest.mark.parametrize(("step", "first"), [(0.01, 5), (0.1, 5), (1.0, 1)])
+def test_a_log_is_fitted_from_its_first_half_second_or_tenth_on(step, first):
+    """It may begin in motion."""
+    time = step * np.arange(51.0)
+    log = SimpleNamespace(time=time, measured=time[:, None], duration=50 * step)
+    assert _rows(log, kept=False)[0][0] == pytest.approx(first * step)
 
 
 def test_more_angles_than_memory_is_lent_for_are_refused(monkeypatch):
@@ -138,13 +148,35 @@ def test_parameters_take_part_in_a_direction_from_a_quarter_on(part, said):
     assert _in_words(["a", "b"], direction).startswith(said)
 
 
-def test_a_joint_that_a_log_hardly_measured_is_refused(tmp_path, capsys):
+@pytest.mark.parametrize(("begin", "count"), [(0, 0), (20, 12)])
+def test_a_joint_that_a_log_hardly_measured_is_refused(begin, count, tmp_path, capsys):
+    """Of 200 rows, whose first 20 are not fitted."""
     classroom_log(tmp_path / "log.csv")
     head, *rows = (tmp_path / "log.csv").read_text().splitlines()
-    last = [row.rpartition(",")[0] + "," for row in rows[14:]]
-    (tmp_path / "log.csv").write_text("\n".join([head, *rows[:14], *last]))
+    gone = [row.rpartition(",")[0] + "," for row in rows]
+    gone[begin : begin + 12] = rows[begin : begin + 12]
+    (tmp_path / "log.csv").write_text("\n".join([head, *gone]))
     assert main(["fit", "hexapod-classroom", str(tmp_path / "log.csv")]) == 2
-    assert "error: 14 measured angles of joint " in capsys.readouterr().err
+    assert f"error: {count} measured angles of joint " in capsys.readouterr().err
+
+
+def test_a_log_that_begins_in_motion_tells_as_much_as_others():
+    """How far joints were behind their commands then is not in it."""
+    robot, rng = load("hexapod-classroom"), np.random.default_rng(4)
+    setup = prepare(load_scenario("line", {"robot": robot.name}), robot)
+    joints = robot.card.joints[:4]
+    rest = [robot.standing_angle(joint) for joint in joints]
+    log = Log(np.arange(600) / 100, joints, moves(4, rng, step=0.01) + rest)
+    truth = servos(np.full(4, 9.0), np.full(4, 0.5))
+    truth[:, [2, 4, 5]] = 0.01, 0.02, 0.02
+    seen = on_stand(setup, log).answers(truth[None], log.time)[0]
+    seen += rng.normal(0, NOISE, seen.shape)
+    rows = slice(115, None)  # in the middle of a move
+    time = log.time[rows] - log.time[rows][0]
+    cut = Log(time, joints, log.commanded[rows], measured=seen[rows])
+    each = fit_joints(setup, [cut], walking=False).each
+    assert (np.abs(each.value - truth) < 3.5 * each.error).all()
+    assert each.error[:, 2].max() < 1e-3  # 3e-4 seen, and 8e-3 with the beginning
 
 
 @pytest.mark.physics

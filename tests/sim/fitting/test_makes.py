@@ -1,11 +1,15 @@
 """Servos of one make are found from a card that is far off, or are not told at all."""
 
+from dataclasses import replace
+from functools import partial
+
 import numpy as np
 import pytest
 from scipy.linalg import expm
 
+from sim.fitting.estimate import led, pooled
 from sim.fitting.fitting import fit_servos, servos
-from sim.fitting.makes import ALIKE, MAKE, one_make, shared_make
+from sim.fitting.makes import ALIKE, MAKE, SERVO, one_make, shared_make
 from sim.fitting.servo_law import Commanded, _step
 
 STEP, LASTING, JOINTS, NOISE = 0.008, 8.0, 3, np.radians(0.05)
@@ -79,6 +83,20 @@ def test_joints_whose_own_servos_are_a_poorer_guess_reach_to_the_common_one(
     off = np.abs(each.value[:, 0] - np.log(stiffness))
     assert (off > 4 * each.error[:, 0]).any()
     assert (off < 4 * joints.error[:, 0]).all()
+
+
+@pytest.mark.parametrize("fastest", [1.2, 2.2])
+def test_errors_of_a_make_do_not_depend_on_the_steps_of_differences(cards, fastest):
+    """Light legs hardly tell more stiffness from more damping: slopes nearly cancel."""
+    truth = make_of(20.0, 0.6, 0.01)
+    log, rows, seen = moving(truth, fastest, load=0.001)
+    log, errors = replace(log, inertia=log.inertia / 8, leg=log.leg / 8), []
+    for part in (1.0, 0.1):
+        finer = tuple(replace(p, step=part * p.step) for p in SERVO)
+        found = led(partial(log.answers, rows=rows), seen, finer, cards, truth, MAKE)
+        errors.append(pooled(found, MAKE)[0].error[0, ALIKE])
+    # 3 % measured; steps of 0.02 in logarithms made errors seven times too small
+    assert errors[0] == pytest.approx(errors[1], rel=0.06)
 
 
 @pytest.mark.parametrize("damping", [0.01, 19.9, 20.0, 20.1, 1e4])

@@ -26,7 +26,8 @@ STEP, ROWS = 0.002, 400
 
 
 def law(angle, load=0.0, inertia=2e-3):
-    angle = np.reshape(angle, (ROWS, -1))
+    angle = np.reshape(angle, (ROWS, -1)).copy()
+    angle[1:] = (angle[1:] + angle[:-1]) / 2  # on the average of a step
     given = np.full(angle.shape[1], inertia)
     loads = np.broadcast_to(np.reshape(load, (-1, 1)), angle.shape)
     return Commanded(STEP, angle, loads, given, given / 4)
@@ -166,8 +167,8 @@ def test_loads_on_a_stand_are_the_slopes_of_the_potential_energy(standing):
     assert found.step == LAW_STEP
     assert len(found.angle) == int(log.duration / LAW_STEP) + 1
     for row in (0, 40, 80, len(found.angle) - 1):
-        angles = log.at(np.array([row * LAW_STEP]))[0]
-        assert found.angle[row] == pytest.approx(angles)
+        before, angles = log.at(np.array([row - 1, row]) * LAW_STEP)
+        assert found.angle[row] == pytest.approx((before + angles) / 2)
         for k, slope in enumerate(found.load[row]):
             up, down = (angles + s * 1e-5 * np.eye(4)[k] for s in (1, -1))
             best = (energy(up) - energy(down)) / 2e-5
@@ -250,8 +251,6 @@ def test_a_robot_goes_to_its_first_row_and_stands_before_the_log_begins(standing
             asked.append(rows.copy())
             return self.real.advance(rows)
 
-    from sim.fitting import servo_law
-
     Engine.original = servo_law.Engine
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(servo_law, "Engine", Engine)
@@ -294,5 +293,8 @@ def test_rows_that_come_as_servos_take_commands_are_held(rows, held):
     setup = SimpleNamespace(servo=SimpleNamespace(rate=59.84))
     time = np.arange(6) / rows
     log = Log(time, ("a",), np.arange(6.0)[:, None])
-    asked = servo_law._asked(setup, log, np.array([1.25, 2.0, 2.75, 9.0]) / rows)
-    assert asked[:, 0] == pytest.approx([1, 1.5, 2, 5] if held else [1.25, 2, 2.75, 5])
+    asked = servo_law._asked(setup, log, np.array([0.0, 0.75, 1.5, 2.25, 3.0]) / rows)
+    means = [0, 0, 2 / 3, 4 / 3, 2] if held else [0, 0.375, 1.125, 1.875, 2.625]
+    assert asked[:, 0] == pytest.approx(means)
+    asked = servo_law._asked(setup, log, np.array([5.0, 9.0]) / rows)
+    assert asked[-1, 0] == pytest.approx(5)  # beyond the last row

@@ -9,15 +9,14 @@ import pytest
 
 from models import load
 from sim import cli
-from sim.preparation.inspection import facts_of, inspected
-from sim.preparation.setup import prepare
+from sim.preparation.inspection import inspected
 from sim.scenarios.file import load_scenario
 from sim.templates import render
 from tests import foreign
 
 
 def test_the_hexapod_has_the_numbers_of_its_design(scenario):
-    found = facts_of(prepare(scenario()))
+    found = inspected(scenario(), load("hexapod"))
     assert found["mass"] == pytest.approx(1.27)
     assert found["legs"]["1"]["foot"] == pytest.approx([0.15, 0.18])
     assert found["legs"]["1"]["swing"] == {"joint": "swing_1", "range": [-0.45, 0.45]}
@@ -31,7 +30,7 @@ def test_the_hexapod_has_the_numbers_of_its_design(scenario):
 
 def test_a_robot_of_ones_own_is_shown_leg_by_leg(scenario, tmp_path):
     robot = str(foreign.mantis(tmp_path))
-    facts = facts_of(prepare(scenario(robot=robot)))
+    facts = inspected(scenario(robot=robot), load(robot))
     lines = render("robot.txt", **facts).splitlines()
     (first,) = (line for line in lines if line.startswith("1 ") and "lf_1" in line)
     assert first.endswith("lf_2 -1.4 to 1.4, lf_3 held at 0.1")
@@ -42,7 +41,7 @@ def test_a_robot_of_ones_own_is_shown_leg_by_leg(scenario, tmp_path):
 def test_a_negative_margin_at_rest_is_explained_where_there_is_one(
     scenario, robot, outside
 ):
-    text = render("robot.txt", **facts_of(prepare(scenario(robot=robot))))
+    text = render("robot.txt", **inspected(scenario(robot=robot), load(robot)))
     assert text.count("from the centre of mass at rest to the edge") == 1
     assert text.count("the robot must move its body before it lifts a foot") == outside
 
@@ -68,7 +67,7 @@ def test_soft_servos_of_a_file_are_told_as_its_own_with_their_stiffness(
     ],
 )
 def test_servos_and_makes_are_told_by_what_they_can_carry(scenario, servo, told, some):
-    text = render("robot.txt", **facts_of(prepare(scenario(servo=servo))))
+    text = render("robot.txt", **inspected(scenario(servo=servo), load("hexapod")))
     servos, makes = (
         next(line for line in text.splitlines() if line.startswith(head))
         for head in ("servos ", "makes ")
