@@ -17,7 +17,7 @@ from planner.support import did_you_mean, require_known, shipped_tables
 # [s]; 52 and 63 ms were measured on an STS3215 and an XL-330 (github.com/Rhoban/bam),
 # 14 ms follow from 240 : 1 on a coreless rotor of 4e-9 kg m^2, as of an MG90S
 START_UP = 0.03
-WITH_VOLTAGE = ("stall_torque", "no_load_speed")
+OF_MOTOR = ("stall_torque", "no_load_speed")
 BOARD_CLOCK = 25e6  # [Hz]; of a PCA9685, by its data sheet
 DIVIDERS = (4, 256)  # whole numbers, by which it divides its clock
 BOARD_COUNTS = 4096  # in a frame
@@ -26,7 +26,7 @@ NOT_NEGATIVE = (
     "armature",
 )  # fmt: skip
 OF_SHEETS = 1e-15, 1e6  # least and largest of such numbers, in the units below
-NUMBERS = (*WITH_VOLTAGE, "full_error", "center", "reach", *NOT_NEGATIVE)
+NUMBERS = (*OF_MOTOR, "full_error", "center", "reach", *NOT_NEGATIVE)
 """Numbers of a data sheet, by the names that cards and scenarios give them."""
 
 
@@ -123,7 +123,7 @@ class ServoKind:
             if value and not OF_SHEETS[0] <= abs(value) <= OF_SHEETS[1]:
                 raise ValueError(f"{name} = {value:g} is of no servo; correct it")
         ratio = given["volts"] / self.volts if "volts" in given and self.volts else 1.0
-        scaled = {name: ratio * getattr(self, name) for name in WITH_VOLTAGE}
+        scaled = {name: ratio * getattr(self, name) for name in OF_MOTOR}
         values: dict[str, Any] = (scaled if ratio != 1.0 else {}) | dict(given)
         if self.signal == "pulse" and not values.get("command_rate", 1.0):
             raise ValueError("command_rate must be positive for servos on pulses")
@@ -242,7 +242,6 @@ Example:
     >>> sorted(SERVO_KINDS)[:4]
     ['ax-12', 'ds3218', 'lx-16a', 'mg90']
 """
-NEEDED = ("stall_torque", "no_load_speed")
 
 
 def make_named(name: str) -> str:
@@ -258,7 +257,7 @@ def servo_of(name: str, given: Mapping[str, float] | None = None) -> ServoKind:
     """
     name, given = make_named(name), given or {}
     require_known("it", name, KNOWN_SERVOS)
-    if missing := [n for n in NEEDED if name in GENERIC and n not in given]:
+    if missing := [n for n in OF_MOTOR if name in GENERIC and n not in given]:
         lacking = f"it has no {' and no '.join(missing)}"
         raise ValueError(f"{lacking}; give what its data sheet says")
     return KNOWN_SERVOS[name].with_numbers(given)

@@ -16,6 +16,7 @@ from sim.physics.engine import STRETCH
 from sim.preparation.setup import prepare
 from sim.preparation.shared import Shared
 from sim.scenarios.file import load_scenario, to_table
+from sim.scenarios.predictions import COSTLY
 from sim.scenarios.scenario import Scenario
 from sim.simulation import simulate
 from sim.sweeps.file import Sweep
@@ -26,7 +27,6 @@ from sim.sweeps.worker_pool import Task, numbers, open_pool
 
 SHORT = {"path.goal": [0.02, 0.02, 0.0], "segments": 4}
 TINY = SHORT | {"segments": 1, "path.goal": [0.004, 0.004, 0.0]}
-WITHOUT = ("identified", "compliant", "creep_floor")
 TASKS = 24  # for every number of workers
 LEDGER = 10_000  # points
 VARIED = 40  # points, more than are shared of a kind
@@ -44,14 +44,14 @@ def throughput(scenario: Scenario) -> Iterator[Row]:
     """Points at two frictions in turn against the same commands on the same models."""
     shared = Shared()
     points = [replace(scenario, friction=friction) for friction in (0.5, 0.8)]
-    done = [simulate(point, without=WITHOUT, shared=shared) for point in points]
+    done = [simulate(point, without=COSTLY, shared=shared) for point in points]
     walks = [one.walk for one in done]
     played = [(w.setup.model, np.concatenate(list(w.commands()))) for w in walks]
     ours_next, bare_next = cycle(points), cycle(played)
 
     def ours() -> None:
         fresh = replace(next(ours_next), name="again")
-        _ = simulate(fresh, without=WITHOUT, shared=shared).summary
+        _ = simulate(fresh, without=COSTLY, shared=shared).summary
 
     def bare() -> None:
         model, ctrl = next(bare_next)
@@ -80,7 +80,7 @@ def _times_of(scenario: Scenario, count: int) -> tuple[float, float]:
 
     def tasks(start: float, number: int) -> list[Task]:
         points = (replace(scenario, friction=start + 0.01 * n) for n in range(number))
-        return [Task(digest(p, WITHOUT), to_table(p), WITHOUT, p.given) for p in points]
+        return [Task(digest(p, COSTLY), to_table(p), COSTLY, p.given) for p in points]
 
     with open_pool(count, None) as pool:
         list(pool.carry_out(tasks(0.5, 2 * count)))
@@ -109,9 +109,9 @@ def _peak(work: str) -> float:
 def keep_books(folder: str) -> None:
     """Read a ledger of many points, and write their table."""
     scenario = load_scenario("line", TINY)
-    given = dict(numbers(simulate(scenario, without=WITHOUT).summary))
+    given = dict(numbers(simulate(scenario, without=COSTLY).summary))
     blocks = ((("friction",), [(0.5 + 1e-5 * n,) for n in range(LEDGER)]),)
-    sweep = Sweep("many", to_table(scenario), {}, blocks, WITHOUT)
+    sweep = Sweep("many", to_table(scenario), {}, blocks, COSTLY)
     points, home, own = points_of(sweep, Shard()), SweepFolder(Path(folder)), software()
     with opened(home.ledger) as ledger:
         ledger.add(Outcome(code, OK, given, own) for code in points.digests.values())
@@ -124,4 +124,4 @@ def work(folder: str) -> None:
         aside = 0.004 + 1e-5 * number
         changes = {"path.goal": [0.004, aside, 0.0], "friction": 0.5 + 0.01 * number}
         table = to_table(load_scenario("line", TINY | changes))
-        Task(str(number), table, WITHOUT).carry_out()
+        Task(str(number), table, COSTLY).carry_out()

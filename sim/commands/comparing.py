@@ -14,13 +14,13 @@ from sim.commands import options as cli
 from sim.endings import command, keeping
 from sim.errors import UsageError
 from sim.folder import blamed_on, claim, new_file, whole
+from sim.motion.poses import POSE
 from sim.progress import bar, say
 from sim.reports import comparison
 from sim.reports.tables import Table
 from sim.runs.run import Run, read_run
 from sim.templates import render
 
-POSE = ("x", "y", "yaw")
 PICTURES = (".png", ".svg", ".pdf")
 KEY = "arrows from feet: a change of that leg\nfrom the middle: of body, floor, servos"
 

@@ -9,7 +9,7 @@ from pkgutil import resolve_name
 from typing import Any, Literal
 
 from planner.support import installing, shipped_tables
-from sim.errors import ExitCode, UsageError
+from sim.errors import LAYERS, ExitCode, UsageError
 from sim.scenarios.settings import SETTINGS
 
 Declared = Mapping[str, Any]  # options by how they are used: help, a table, or `true`
@@ -35,7 +35,7 @@ class Command:
             module = import_module(f"sim.commands.{self.module}")
             return getattr(module, self.name)(options)
         except ModuleNotFoundError as error:
-            if not self.extra or error.name in ("planner", "models", "sim"):
+            if not self.extra or error.name in LAYERS:
                 raise
             how, where = installing(self.extra), f"the extra {self.extra!r}"
             raise UsageError.of("lacks", where, name=error.name, how=how) from error

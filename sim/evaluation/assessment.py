@@ -163,10 +163,17 @@ def evaluate(
     if "creep_floor" not in without:
         with stage(progress, "measuring the solver's creep"):
             creep = of_world(f"creep in {walk.duration} s", stand)
-    clearance = motions.clearances(walk, predicted)
-    deviation = deviations.deviations(walk, caches, poses)
-    known = walk, achieved, predicted, unpredicted, clearance
-    return Evaluation(*known, walking, judged, deviation, creep_floor=creep)
+    return Evaluation(
+        walk=walk,
+        achieved=achieved,
+        predicted=predicted,
+        unpredicted=unpredicted,
+        clearance=motions.clearances(walk, predicted),
+        walking=walking,
+        judged=judged,
+        deviation=deviations.deviations(walk, caches, poses),
+        creep_floor=creep,
+    )
 
 
 def summarise(

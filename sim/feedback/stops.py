@@ -11,13 +11,12 @@ import numpy as np
 from planner import Array
 from sim.feedback.filter import Feedback, Learnt, bound
 from sim.folder import csv_rows, csv_text
-from sim.motion.poses import seen_from
+from sim.motion.poses import POSE, seen_from
 
 Numbers = tuple[float, ...]
 LARGEST = 1e9  # number of a stop
 UNKNOWN = np.diag([0.02, 0.02, 0.05]) ** 2  # of a b of which hardly anything is known
 FLAT = 1e-6  # singular values below it, as a share of the largest, are none
-POSE = ("x", "y", "yaw")
 NAMES = {  # of the columns of feedback.csv, by the fields of a stop in their order
     "meant": POSE,
     "seen": (*POSE, "gyro"),

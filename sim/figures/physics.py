@@ -22,12 +22,12 @@ from sim.motion.prediction import Prediction
 from sim.motion.schedule import Phase
 from sim.preparation.setup import Setup, prepare
 from sim.scenarios.file import load_scenario
+from sim.scenarios.predictions import COSTLY
 from sim.simulation import simulate
 from sim.walking.walks import Walker
 
 NOMINAL = 601  # points of the nominal path
 PREDICTED = ("ideal", "quasi_static")
-WITHOUT = ("identified", "compliant", "creep_floor")  # at length, and in no figure
 
 
 @dataclass(frozen=True)
@@ -77,12 +77,12 @@ def perform(job: Job, report: Callable[[float], object] = lambda part: None) -> 
             if stage == "walking":
                 report(part)
 
-        done = simulate(scenario, without=WITHOUT, progress=progress)
+        done = simulate(scenario, without=COSTLY, progress=progress)
         return _gathered(done.evaluation)
     walker = Walker(prepare(scenario))
     walker.stand()
     walker.go([job.flows])
-    return _gathered(evaluate(walker.finish(), WITHOUT))
+    return _gathered(evaluate(walker.finish(), COSTLY))
 
 
 @contextmanager

@@ -8,6 +8,7 @@ import numpy as np
 from planner import Array
 from sim import palette
 from sim.palette import ACHIEVED, GROUPS, PREDICTED, Style
+from sim.reports.drawing import MM as MM
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -16,8 +17,6 @@ if TYPE_CHECKING:
 
     from sim.figures.physics import Walked
 
-
-MM = 1e3  # [mm/m]
 
 NOMINAL = palette.NOMINAL.colour.hex
 IDEAL = PREDICTED["ideal"].colour.hex

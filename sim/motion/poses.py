@@ -7,6 +7,7 @@ import numpy as np
 from planner import Array, Path
 from planner.optimisation import deviation
 
+POSE = ("x", "y", "yaw")  # [m], [m], [rad]
 GROUPS = ((0, 1), (2,))
 
 

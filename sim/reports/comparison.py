@@ -17,8 +17,9 @@ from sim.evaluation.quantities import (
     number,
 )
 from sim.progress import Progress, silent, stage
+from sim.reports.drawing import MM
 from sim.reports.maps import best_of, overlaid
-from sim.reports.tables import MM, Table, contributions, flat, kinds_of, sentences
+from sim.reports.tables import Table, contributions, flat, kinds_of, sentences
 from sim.runs.run import Run
 from sim.scenarios.file import toml_value
 from sim.scenarios.predictions import IDEAL, PREDICTIONS

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 WORDS = shipped_tables("sim.reports", "words.toml")
 NOTES: Mapping[str, str] = WORDS["notes"]
+MM = 1e3  # [mm/m]
 PAGE_WIDTH = 7.2  # [in] of a drawing over the whole page
 LEFT, RIGHT = 0.085, 0.985  # of the width, between which the axes lie
 FEW = 8  # segments; fewer are divided into their phases

@@ -12,6 +12,7 @@ from sim.evaluation.quantities import ROWS
 from sim.motion.poses import length_up_to, rotate, spaced_rows
 from sim.reports.drawing import (
     FEW,
+    MM,
     NOTES,
     Drawing,
     Key,
@@ -27,7 +28,6 @@ from sim.scenarios.predictions import PREDICTIONS
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-MM = 1e3
 MAP_WIDTH = 4.2  # [in]
 SPACING = 1 / 600  # of a path's extent, between its points
 HEIGHTS = (1.8, 4.2)  # [in]

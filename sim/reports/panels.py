@@ -12,14 +12,14 @@ from sim.evaluation.quantities import ROWS, number
 from sim.motion.poses import lean_of
 from sim.palette import ACHIEVED, PREDICTED, Style
 from sim.reports import drawing
-from sim.reports.drawing import Drawing, Key
+from sim.reports.drawing import MM, Drawing, Key
 from sim.runs.run import Run
 from sim.scenarios.predictions import PREDICTIONS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-MM, MRAD = 1e3, 1e3
+MRAD = 1e3  # [mrad/rad]
 LIMIT = palette.LIMIT.hex
 STRATA = [palette.TEXT.tint(share).hex for share in (0.2, 0.35, 0.5, 0.65)]
 """Of strata on which several groups stand."""

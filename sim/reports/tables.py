@@ -17,14 +17,13 @@ from sim.evaluation.quantities import (
     YAW,
     number,
 )
-from sim.reports.drawing import WORDS
+from sim.reports.drawing import MM, WORDS
 from sim.runs.run import Run
 from sim.scenarios.file import toml_value
 from sim.scenarios.predictions import PREDICTIONS
 from sim.scenarios.settings import SETTINGS
 from sim.templates import render
 
-MM = 1e3
 JOINED = "flows (successive ones along a field count as one)"  # unlike in plans
 
 

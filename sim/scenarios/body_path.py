@@ -18,6 +18,7 @@ import planner.planning
 from planner import Array, Path
 from planner.support import read_text
 from sim.errors import UsageError, telling
+from sim.motion.poses import POSE
 from sim.scenarios.declaration import (
     LEAST,
     Range,
@@ -32,7 +33,6 @@ Pose = tuple[float, float, float]
 START: Pose = (0.0, 0.0, 0.0)
 SHORTEST_WAY = 1e-6  # [m]; shares of a shorter one are rounding
 FARTHEST_POSE = 1e6  # [m] or [rad]; beyond, rounding would exceed single steps
-COLUMNS = ("x", "y", "yaw")  # of a file of poses, [m], [m], [rad]
 MOST_POSES, MOST_BYTES = 100_000, 5 * 10**7  # in such a file
 WHERE = "the nominal path"
 POSES_OR_FILE = 'file = "POSES.csv", or poses = [[0, 0, 0], [x, y, yaw], ...]'
@@ -149,7 +149,7 @@ def decode(table: object) -> NominalPath:
     table = require_kind(table, "path", KINDS)
     parameter, make = KINDS[table["kind"]]
     if table["kind"] == "formulas":
-        require_keys(table, "path of kind formulas", (), COLUMNS)
+        require_keys(table, "path of kind formulas", (), POSE)
         return make({name: v for name, v in table.items() if name != "kind"})
     if table["kind"] == "table" and "poses" not in table:
         require_keys(table, "path of kind table", (POSES_OR_FILE,), ("poses",))
@@ -166,7 +166,7 @@ def encode(path: NominalPath) -> dict[str, object]:
 
 
 def _read_poses(file: object) -> list[tuple[float, ...]]:
-    """Poses from a CSV file with a column for each of `COLUMNS`, in any order."""
+    """Poses from a CSV file with a column for each of `POSE`, in any order."""
     if not isinstance(file, str):
         raise refusal(file, "the name of a CSV file", WHERE, "path.file")
     with telling("cannot be read", file, "give a CSV file that exists", UsageError):
@@ -199,16 +199,16 @@ def _poses_in(text: str) -> list[tuple[float, ...]]:
     """Poses from the text of a table whose first line names the columns."""
     rows = csv.reader(io.StringIO(text, newline=""), strict=True)
     names = [name.strip() for name in next(filter(None, rows), ())]
-    if missing := [name for name in COLUMNS if name not in names]:
+    if missing := [name for name in POSE if name not in names]:
         raise ValueError(f"no column {missing[0]!r}; begin with the line x,y,yaw")
-    if twice := [name for name in COLUMNS if names.count(name) > 1]:
+    if twice := [name for name in POSE if names.count(name) > 1]:
         raise ValueError(f"two columns {twice[0]!r}; name one of them otherwise")
     poses = list[tuple[float, ...]]()
     for row in filter(None, rows):
         if len(row) != len(names):
             cells = f"{len(row)} of {len(names)} columns"
             raise ValueError(f"line {rows.line_num} has {cells}; part them by commas")
-        plain = (row[names.index(name)].replace("_", "?") for name in COLUMNS)
+        plain = (row[names.index(name)].replace("_", "?") for name in POSE)
         try:
             poses.append(tuple(float(cell.encode("ascii")) for cell in plain))
         except ValueError:

@@ -42,6 +42,7 @@ IDENTIFIED = PredictionName(  # measured in the same world, by plain commands
 )
 COMPLIANT = PredictionName("compliant", "compliant", "compliant", ignores=None)
 PREDICTIONS = {name.key: name for name in (IDEAL, QUASI_STATIC, IDENTIFIED, COMPLIANT)}
+COSTLY = (IDENTIFIED.key, COMPLIANT.key, "creep_floor")  # physics of their own
 OF_MOTIONS = (QUASI_STATIC.key, COMPLIANT.key)  # that are played and have no fields
 LABELS = tuple(name.label for name in PREDICTIONS.values())
 JUDGES = (COMPLIANT, QUASI_STATIC, IDEAL)

@@ -19,11 +19,11 @@ from planner import PlannerError
 from sim.errors import StratawalkError, one_line
 from sim.evaluation.quantities import POSITION
 from sim.scenarios.file import load_scenario
+from sim.scenarios.predictions import COSTLY
 from sim.simulation import simulate
 
 # How designs are tried: a step aside as long as one ahead.
 WALK = {"path.goal": [0.01, 0.01, 0.0], "segments": 4, "swing_speed": 1.0}
-WITHOUT = ("identified", "compliant", "creep_floor")
 DIRECTIONS = ("ahead", "aside", "round")
 SAME_MOTION = 1e-3  # of the larger motion; what two strokes differ by is rounding
 STANDING = 3  # feet that a body can stand on
@@ -157,7 +157,7 @@ def _checked(robot: Robot) -> dict[str, Any]:
 def _walked(robot: Robot) -> dict[str, Any]:
     scenario = load_scenario("line", {**WALK, "robot": robot.name})
     try:
-        summary = simulate(scenario, robot=robot, without=WITHOUT).summary
+        summary = simulate(scenario, robot=robot, without=COSTLY).summary
     except (StratawalkError, PlannerError, ModelError) as error:
         return {"status": one_line(error)}
     return {

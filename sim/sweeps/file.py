@@ -19,6 +19,7 @@ from planner.support import did_you_mean
 from sim.errors import UsageError
 from sim.scenarios import file as scenarios
 from sim.scenarios.declaration import is_number, require_keys
+from sim.scenarios.predictions import COSTLY
 from sim.scenarios.scenario import Scenario
 from sim.scenarios.settings import SETTINGS
 
@@ -35,7 +36,6 @@ WHOLE = {name for name, item in SETTINGS.items() if item.includes(int)}
 STUDIES = Path(str(files("sim.studies")))
 TABLES = ("set", "grid", "list", "sobol", "keep")
 KEYS = ("scenario", "without", *TABLES)
-MEASURES = ("identified", "compliant", "creep_floor")  # each costs physics
 
 
 @dataclass(frozen=True)
@@ -160,8 +160,8 @@ def _anchored(block: Block, folder: Path) -> Block:
 
 def left_out(given: object) -> tuple[str, ...]:
     """The measures that a sweep leaves out, in order."""
-    if not isinstance(given, list) or not all(word in MEASURES for word in given):
-        facts = {"given": given, "names": " and ".join(MEASURES)}
+    if not isinstance(given, list) or not all(word in COSTLY for word in given):
+        facts = {"given": given, "names": " and ".join(COSTLY)}
         raise UsageError.of("without", "the sweep's file", **facts)
     return tuple(sorted(set(given)))
 

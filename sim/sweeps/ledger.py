@@ -19,7 +19,7 @@ from pathlib import Path
 
 from models import ModelError, load
 from planner.support import open_file, read_file
-from sim.errors import FilesError, UsageError, is_text, printable, telling
+from sim.errors import LAYERS, FilesError, UsageError, is_text, printable, telling
 from sim.scenarios.file import to_table
 from sim.scenarios.scenario import LEFT, Scenario
 from sim.sweeps.file import flat
@@ -73,7 +73,7 @@ def _shown(table: Mapping[str, object], key: str) -> str:
 def _code() -> str:
     """Digest of this package's own sources; as git's hash, but for what is changed."""
     parts = hashlib.sha256()
-    for package in ("planner", "models", "sim"):
+    for package in LAYERS:
         for path in sorted(Path(str(files(package))).rglob("*")):
             if path.suffix in KINDS:
                 parts.update(path.name.encode() + path.read_bytes())

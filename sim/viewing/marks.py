@@ -16,6 +16,7 @@ from sim.pictures.ghost import Ghost, decor
 from sim.runs.run import Run
 
 KIND = mujoco.mjtGeom
+TORSO = 0.35  # opacity of the body, so that the paths below are seen
 BEND = 0.2  # of a path's width: the same line in fewer rods, each of them costs time
 # In units of the robot's reach.
 HIGH, THICK = 0.008, 0.006  # above the floor, width of paths

@@ -29,7 +29,7 @@ from sim.pictures.drawing import CORNERS
 from sim.pictures.legend import entries
 from sim.runs.run import Run, read_run
 from sim.templates import render
-from sim.viewing.marks import landings, middle_and_extent, support, thinned
+from sim.viewing.marks import KIND, TORSO, landings, middle_and_extent, support, thinned
 
 if TYPE_CHECKING:
     from viser import FrameHandle, SceneApi, ViserServer
@@ -37,8 +37,6 @@ if TYPE_CHECKING:
 NAME = "replay.html"
 PICTURES_APART = 2  # of the film's clock
 LIFT, THICK, WIDE = 0.004, 0.004, 0.007  # of lines, in units of the robot's reach
-KIND = mujoco.mjtGeom
-TORSO = 0.35  # opacity, so that the paths below are seen
 
 
 def write_replay(

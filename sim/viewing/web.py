@@ -22,13 +22,12 @@ from sim.folder import blamed_on
 from sim.pictures.clock import Playback
 from sim.runs.run import Run, read_run
 from sim.viewing.access import Access, OwnSocket
-from sim.viewing.marks import Marks
+from sim.viewing.marks import TORSO, Marks
 
 if TYPE_CHECKING:
     from mujoco.studio.endpoints import ViewerEndpoint
     from mujoco.studio.viewer_handle import ViewerHandle
 
-TORSO = 0.35  # opacity of the body
 DISC, ARROW = 0.1, 0.04  # of a contact and its force, in units of the model's size
 LOOPBACK = ("127.0.0.1", "::1", "localhost")
 EVERYWHERE = ("0.0.0.0", "::", "")  # noqa: S104 (asked for by a person, and told)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from sim.bench import speed, sweep_speed
-from sim.bench.sweep_speed import TINY, WITHOUT
+from sim.bench.sweep_speed import COSTLY, TINY
 from sim.physics.recording import Recorder
 from sim.preparation.setup import prepare
 from sim.scenarios.file import load_scenario, scenario_from
@@ -189,7 +189,7 @@ def test_a_bare_batch_steps_the_commands_of_the_points_in_turn(clock, monkeypatc
     rolled, begun = [], []
     scenario = load_scenario("line", TINY | {"timestep": 0.002})
     points = [replace(scenario, friction=friction) for friction in FRICTIONS]
-    walked = [sweep_speed.simulate(p, without=WITHOUT) for p in points]
+    walked = [sweep_speed.simulate(p, without=COSTLY) for p in points]
 
     class Engine:
         def __init__(self, model, nsim, nthread):

@@ -9,7 +9,7 @@ from scipy.linalg import expm
 
 from sim.fitting.estimate import led, pooled
 from sim.fitting.fitting import fit_servos, servos
-from sim.fitting.makes import ALIKE, MAKE, SERVO, one_make, shared_make
+from sim.fitting.makes import ALIKE, MAKE, OWN, SERVO, one_make, shared_make
 from sim.fitting.servo_law import Commanded, _step
 
 STEP, LASTING, JOINTS, NOISE = 0.008, 8.0, 3, np.radians(0.05)
@@ -97,6 +97,20 @@ def test_errors_of_a_make_do_not_depend_on_the_steps_of_differences(cards, faste
         errors.append(pooled(found, MAKE)[0].error[0, ALIKE])
     # 3 % measured; steps of 0.02 in logarithms made errors seven times too small
     assert errors[0] == pytest.approx(errors[1], rel=0.06)
+
+
+@pytest.mark.parametrize("load", [0.02, 0.1])
+def test_errors_of_dead_bands_reach_to_what_unlike_joints_tell_alone(load):
+    """Stiffness and damping of a make differ by a twentieth from joint to joint."""
+    truth = make_of(10.0, 0.1, 0.015)
+    truth[:, 0] += [-0.05, 0, 0.05]
+    truth[:, 1] += [0.05, -0.05, 0]
+    near = servos(np.full(JOINTS, 9.0), np.full(JOINTS, 0.1))
+    log, rows, seen = moving(truth, 2.2, load)
+    each = fit_servos(log, rows, seen, near)
+    _, _, own, _ = shared_make([(log, rows, seen)], near, each)
+    # as the make has them alone, they missed by up to 20 of their standard errors
+    assert (np.abs(own.value - truth[:, OWN]) < 3 * own.error).all()
 
 
 @pytest.mark.parametrize("damping", [0.01, 19.9, 20.0, 20.1, 1e4])
