@@ -164,7 +164,7 @@ def _rows(log: Log, kept: bool) -> tuple[Array, Array]:
     if log.measured is None:
         raise ValueError("no measured angles; give columns measured.JOINT")
     cut, (seconds, share) = int(FITTED * len(log.time)), BEGINNING
-    begins = int(log.time.searchsorted(min(seconds, share * log.duration)))
+    begins = int(log.time.searchsorted(min(seconds, share * log.time[-1])))
     rows = slice(cut, None) if kept else slice(begins, cut)
     return log.time[rows], log.measured[rows]
 

@@ -89,7 +89,7 @@ def test_as_many_corners_poses_numbers_and_arrays_as_are_most_are_taken(
         obstacles.decode(boxes)
     rows = ["0,0,0", "1,0,0", "2,0,0"]
     monkeypatch.setattr(body_path, "MOST_POSES", 2)
-    head = ",".join(body_path.COLUMNS)
+    head = ",".join(body_path.POSE)
     assert len(body_path._poses_in("\n".join([head, *rows[:2]]))) == 2
     with pytest.raises(ValueError, match="more than 2 poses"):
         body_path._poses_in("\n".join([head, *rows]))
@@ -179,13 +179,13 @@ def test_a_log_of_goals_in_place_of_positions_is_not_fitted(tmp_path):
 def test_a_joint_of_which_little_was_measured_is_not_fitted(tmp_path):
     """A single angle is met by a zero, as exactly as you like."""
     measured = np.zeros((40, 3))
-    measured[:, 1], measured[14:30, 2] = np.nan, np.nan  # the first 30 rows are fitted
+    measured[:, 1], measured[13:30, 2] = np.nan, np.nan  # 1 to 29 are fitted
     log = SimpleNamespace(time=np.arange(40), measured=measured, joints=("a", "b", "c"))
-    said = "14 measured angles of joint 'c', of which at least 15 .*: x; leave out its"
+    said = "12 measured angles of joint 'c', of which at least 13 .*: x; leave out its"
     with pytest.raises(UsageError, match=said):
         check_told(Path("x"), [log])
     check_told(Path("x"), [log, log])  # which tell enough together
-    measured[14, 2] = 0.0
+    measured[13, 2] = 0.0
     check_told(Path("x"), [log])
     check_told(Path("x"), [SimpleNamespace(measured=None, joints=("a",))])
 

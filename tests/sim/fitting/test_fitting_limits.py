@@ -25,7 +25,7 @@ from tests.sim.fitting.test_servos import NOISE, classroom_log, moves
 
 def test_three_quarters_of_a_log_are_fitted_and_the_rest_checks():
     time = np.arange(20.0)
-    log = SimpleNamespace(time=time, measured=time[:, None], duration=19.0)
+    log = SimpleNamespace(time=time, measured=time[:, None])
     for kept, rows in ((False, [*range(1, 15)]), (True, [*range(15, 20)])):
         assert _rows(log, kept)[0].tolist() == rows
         assert _rows(log, kept)[1][:, 0].tolist() == rows
@@ -35,7 +35,7 @@ def test_three_quarters_of_a_log_are_fitted_and_the_rest_checks():
 def test_a_log_is_fitted_from_its_first_half_second_or_tenth_on(step, first):
     """It may begin in motion."""
     time = step * np.arange(51.0)
-    log = SimpleNamespace(time=time, measured=time[:, None], duration=50 * step)
+    log = SimpleNamespace(time=time, measured=time[:, None])
     assert _rows(log, kept=False)[0][0] == pytest.approx(first * step)
 
 
