@@ -51,8 +51,7 @@ def adopt(options: argparse.Namespace) -> None:
     late = message("no_card_found", robot=options.robot, seconds=BUDGET)
     with processor_time(BUDGET, models.ModelError(late)):
         draft, robot, found, written = _adopted(options)
-    files = [str(path) for path in written]
-    facts = {"written": files, "guesses": draft.guesses, "robot": found}
+    facts = {"written": [*map(str, written)], "guesses": draft.guesses, "robot": found}
     trusted = ["--allow-external"] if robot.opened.external else []
     walk = command("run", "line", "--robot", robot.path, *trusted)
     text = render("adopted.txt", walk=walk, **facts)
