@@ -207,7 +207,7 @@ def led(
     held = (value <= [p.low for p in parameters]) & (together < 0)
     way = _newton_step(at.information + at.expected, toward, held)
     kept = np.where(held[:, :, None] | held[:, None], 0.0, at.information)
-    kept += held[:, :, None] * np.eye(len(parameters)) / LEAST_NOISE**2
+    kept += held[:, :, None] * np.eye(len(parameters)) * at.information  # of it alone
     return replace(at, value=value + way, information=kept)
 
 
