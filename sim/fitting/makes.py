@@ -22,7 +22,7 @@ OWN = (2, 4)  # dead band and zero, a servo's own
 ALIKE = [0, 1, 3]  # of a make: stiffness, damping and delay, which can look the same
 LONGEST_STEP = 2.0  # of logarithms; others are far shorter
 PARTS = np.array([0.0, 1.0, 0.3, 0.1, 0.03])  # of a step, of which the best is taken
-UNLIKE = 2.0  # standard errors of a joint alone, by which the make has it otherwise
+UNLIKE = 2.0  # standard errors between a joint alone and as one of its make
 AS_LIKELY = 10.0  # logarithms of likelihoods that are closer tell no makes apart
 
 Told = tuple[Commanded, Array, Array]  # with times (N,) [s] and angles (N, P) [rad]
@@ -43,7 +43,8 @@ def shared_make(
 ) -> tuple[estimate.Estimates, estimate.Estimates, estimate.Estimates, Array]:
     """The joints, and what `one_make` finds, but at their best common make.
 
-    The search begins at several stiffnesses; errors reach to makes that fit alike.
+    The search begins at several stiffnesses; errors reach to makes that fit alike, and
+    those of a servo's own numbers to what an unlike joint tells alone.
     """
     begins = _guesses(told[0][0].inertia, each)
     found = [_searched(told, start, guess) for guess in begins]
@@ -53,7 +54,7 @@ def shared_make(
     weight = 1 / max(1.0, apart[:, ALIKE].max()) ** 2
     make, own = estimate.pooled(there, MAKE, weight)
     make, off = replace(make, value=whole[:1, MAKE]), np.abs(whole - each.value)[:, OWN]
-    unlike = off > UNLIKE * each.error[:, OWN]  # than the make has it, of a joint alone
+    unlike = off > UNLIKE * each.error[:, OWN]
     own = replace(own, value=whole[:, OWN], reach=np.where(unlike, off, 0.0))
     alone = np.sum([_unlikely(*one, np.stack([each.value, whole])) for one in told], 0)
     alike = alone[1] < alone[0] + AS_LIKELY  # joints that a common servo fits as well
@@ -108,7 +109,5 @@ def _unlikely(commanded: Commanded, rows: Array, angles: Array, tried: Array) ->
     """Logarithms of how unlikely variants of servos are, (V, P, 6), shape (V, P)."""
     left = angles - commanded.answers(tried, rows)
     count = np.isfinite(angles).sum(axis=0)
-    squares = (
-        np.nansum(left**2, axis=1) / np.maximum(count, 1) + estimate.LEAST_NOISE**2
-    )
-    return np.asarray(count / 2 * np.log(squares))
+    squares = np.nansum(left**2, axis=1) / np.maximum(count, 1)
+    return np.asarray(count / 2 * np.log(squares + estimate.LEAST_NOISE**2))
