@@ -52,7 +52,7 @@ def _number(loader: yaml.SafeLoader, node: yaml.Node) -> float:
 
 
 RosLoader.add_implicit_resolver(  # 1e-3, which YAML 1.1 takes for text
-    "tag:yaml.org,2002:float", re.compile(r"[-+]?\d+[eE][-+]?\d+\Z"), [*"-+0123456789"]
+    "tag:yaml.org,2002:float", re.compile(rf"{DECIMAL.pattern}\Z"), [*"-+.0123456789"]
 )
 for tag in ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float", "!radians"):
     RosLoader.add_constructor(tag, _number)

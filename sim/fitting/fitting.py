@@ -163,8 +163,9 @@ def _rows(log: Log, kept: bool) -> tuple[Array, Array]:
     """Times and measured angles of the rows that are fitted, or of those kept."""
     if log.measured is None:
         raise ValueError("no measured angles; give columns measured.JOINT")
-    cut, (seconds, share) = int(FITTED * len(log.time)), BEGINNING
-    begins = int(log.time.searchsorted(min(seconds, share * log.time[-1])))
+    count, (seconds, share) = len(log.time), BEGINNING
+    cut, settled = int(FITTED * count), min(seconds, share * log.time[-1])
+    begins = min(int(log.time.searchsorted(settled)), int(share * count))
     rows = slice(cut, None) if kept else slice(begins, cut)
     return log.time[rows], log.measured[rows]
 

@@ -37,6 +37,8 @@ def test_a_log_is_fitted_from_its_first_half_second_or_tenth_on(step, first):
     time = step * np.arange(51.0)
     log = SimpleNamespace(time=time, measured=time[:, None])
     assert _rows(log, kept=False)[0][0] == pytest.approx(first * step)
+    log.time = np.append(time[:50], 600.0)  # nearly all of whose rows are in a tenth
+    assert _rows(log, kept=False)[0][0] == pytest.approx(min(first, 5) * step)
 
 
 def test_more_angles_than_memory_is_lent_for_are_refused(monkeypatch):
