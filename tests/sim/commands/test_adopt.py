@@ -32,9 +32,22 @@ def test_card_and_picture_are_written_and_the_file_is_left_alone(tmp_path, capsy
     out = capsys.readouterr().out
     assert "guessed     the file puts the feet at different heights" in out
     assert "legs 1 4 5: turned by up to" in out
+    assert "correct it, and walk: stratawalk run line" in out
     assert path.read_bytes() == before
     assert names(tmp_path) == ["spider.png", "spider.toml", "spider.xml"]
     assert load(str(path)).card.groups.keys() == {"1", "2"}
+
+
+def test_what_a_robot_lacks_for_walking_is_said_before_a_walk_is_advised(
+    tmp_path, capsys, monkeypatch
+):
+    looked = robots.inspected
+    lacking = {"lacks": ["it cannot go sideways"]}
+    monkeypatch.setattr(robots, "inspected", lambda *of: looked(*of) | lacking)
+    assert main(["adopt", str(SPIDER.write(tmp_path))]) == 0
+    out = capsys.readouterr().out
+    assert "lacks       it cannot go sideways" in out
+    assert "correct it, mend what the robot lacks, and walk: stratawalk run " in out
 
 
 def test_urdf_is_given_an_mjcf(tmp_path, capsys):
